@@ -1,0 +1,1 @@
+# cmake --install: headers, libraries and a package config for find_package(forewalk).

@@ -1,0 +1,38 @@
+// Builds a navmesh from scene triangles with Recast: voxels, regions, contours, convex polygons.
+//
+// Solo, or in tiles that are built independently. `navmesh` starts no threads: tiles are handed to the
+// caller's `ForEach`, and the result has the same bytes in whatever order and on however many threads
+// it runs them.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <tl/expected.hpp>
+
+#include "navmesh/build/navmesh.h"
+#include "navmesh/build/scene.h"
+
+namespace forewalk::navmesh {
+
+/// Calls `work(i)` once for each i in [0, count), in any order, on any threads, and returns when all are
+/// done. `service` brings one that uses all cores; the default runs them in turn.
+using ForEach =
+    std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)>;
+
+/// Told after each finished tile. May be called from the threads of ForEach, one call at a time.
+using Progress = std::function<void(std::size_t done, std::size_t total)>;
+
+struct BuildRun {
+  ForEach forEach;    ///< empty: in turn
+  Progress progress;  ///< empty: silent
+};
+
+/// Fails when a setting is out of range (names it and its range), the scene is empty, the grid would
+/// exceed Recast's limits (names cell and tile), or nothing is walkable: then the message names the
+/// setting that closed it (slope, height, radius or region size, found by looking at which build step
+/// lost the last walkable cell) with the value that would open it where that can be measured.
+[[nodiscard]] tl::expected<NavMesh, Error> buildNavMesh(const Scene& scene,
+                                                        const BuildSettings& settings = {},
+                                                        const BuildRun& run = {});
+
+}  // namespace forewalk::navmesh

@@ -1,0 +1,1 @@
+#include "navmesh/build/fwmesh.h"

@@ -1,0 +1,1 @@
+#include "navmesh/nav_graph.h"

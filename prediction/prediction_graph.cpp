@@ -1,0 +1,1 @@
+#include "prediction/prediction_graph.h"

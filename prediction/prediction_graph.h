@@ -1,0 +1,149 @@
+// The prediction graph: the ways a user may take from where they are, out to the horizon.
+//
+// Azmandian, Grechkin, Bolas and Suma, "Automated Path Prediction for Redirected Walking Using
+// Navigation Meshes", 3DUI 2016. Nodes are the source (the user), branch nodes (polygons with more than
+// two neighbours) and terminal nodes (where prediction stops). `prev` is the paper's prevPG.
+//
+// Flat arrays, parents before children, in the order the search settled them. Lengths are horizontal
+// metres (see navmesh/nav_graph.h); points are plan points with heights beside them.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "navmesh/locate.h"
+
+namespace forewalk::prediction {
+
+using navmesh::PolygonId;
+
+/// Index of a node in its graph; 0 is the source.
+enum class NodeId : std::uint32_t {};
+inline constexpr NodeId kNoNode{0xffffffffu};
+constexpr std::uint32_t index(NodeId id) { return static_cast<std::uint32_t>(id); }
+
+enum class NodeKind : std::uint8_t { kSource, kBranch, kTerminal };
+
+/// Why prediction stops at a terminal node.
+enum class TerminalReason : std::uint8_t {
+  kNone,     ///< not a terminal
+  kHorizon,  ///< the way goes on, but is cut here at exactly the horizon
+  kDeadEnd,  ///< nowhere left to go: every neighbour is on this way already or on another (a loop edge
+             ///< then shows where the two meet)
+};
+
+/// A corner of a taut path from the source; the corners of all paths form a tree by `previous`.
+struct Corner {
+  glm::vec2 plan;
+  float height;             ///< world y, metres
+  float distance;           ///< length of the taut path from the source to here, metres
+  std::uint32_t previous;   ///< the corner before this one; of the source itself: its own index, 0
+};
+
+struct Node {
+  NodeKind kind;
+  TerminalReason reason;
+  bool branch;            ///< a branch node (a terminal can be one too)
+  PolygonId polygon;
+  glm::vec2 plan;         ///< source: the user; cut terminal: the cut; others: the polygon's centroid
+  float height;           ///< of the surface there, world y, metres
+  float distance;         ///< length of the taut path from the source, <= horizon, metres
+  NodeId prev;            ///< prevPG: the branch node or source before it; of the source: kNoNode
+  std::uint32_t corner;   ///< last corner of the taut path from the source before this node
+  std::uint32_t firstChild, childCount;  ///< range in PredictionGraph::children
+
+  glm::vec3 position() const { return {plan.x, height, -plan.y}; }
+};
+
+enum class EdgeKind : std::uint8_t { kTree, kLoop };
+
+/// A taut path between two nodes through the corridor between them.
+/// Tree edges run from a node to its prev: edge i - 1 belongs to node i. Loop edges come after: two
+/// nodes in neighbouring polygons that the tree does not join.
+struct Edge {
+  NodeId from;
+  NodeId to;
+  EdgeKind kind;
+  float length;                               ///< metres
+  std::uint32_t polygonStart, polygonCount;   ///< range in `corridorPolygons`, from `from` to `to`
+  std::uint32_t pathStart, pathCount;         ///< range in `pathPoints`, from `from` to `to`
+};
+
+/// Flags of a graph; each names the limit to raise (PredictionLimits).
+enum GraphFlags : std::uint32_t {
+  kGraphComplete = 0,
+  kPolygonLimit = 1u << 0,  ///< `limits.polygons` reached: ways beyond `completeTo` were dropped
+  kSourceOffMesh = 1u << 1, ///< no valid source polygon was given: the graph is only the source
+};
+
+/// What the search did, for benchmarks and dumps.
+struct GraphStats {
+  std::uint32_t settled = 0;   ///< polygons whose shortest key is final, cut ones included
+  std::uint32_t expanded = 0;  ///< of these, no further than the horizon
+  std::uint32_t relaxed = 0;   ///< neighbours looked at
+};
+
+struct PredictionGraph {
+  float horizon = 0.0f;         ///< metres
+  float completeTo = 0.0f;      ///< all ways are known out to here; == horizon unless a limit was hit
+  std::uint32_t flags = kGraphComplete;
+  navmesh::Location source;
+  std::vector<Node> nodes;
+  std::vector<NodeId> children;              ///< node after node, ascending
+  std::vector<Edge> edges;
+  std::vector<Corner> corners;
+  std::vector<PolygonId> corridorPolygons;
+  std::vector<glm::vec2> pathPoints;         ///< plan
+  std::vector<NodeId> terminals;             ///< ascending
+  GraphStats stats;
+
+  const Node& node(NodeId id) const { return nodes[index(id)]; }
+  const Edge& treeEdge(NodeId id) const { return edges[index(id) - 1]; }  ///< not for the source
+  std::span<const NodeId> childrenOf(NodeId id) const {
+    return {children.data() + node(id).firstChild, node(id).childCount};
+  }
+  std::span<const glm::vec2> pathOf(const Edge& edge) const {
+    return {pathPoints.data() + edge.pathStart, edge.pathCount};
+  }
+  std::span<const PolygonId> corridorOf(const Edge& edge) const {
+    return {corridorPolygons.data() + edge.polygonStart, edge.polygonCount};
+  }
+};
+
+/// A point on a way and the unit direction of walking there (zero on a way of no length).
+struct WayPoint {
+  glm::vec2 plan;
+  float height;  ///< interpolated between corners, world y, metres
+  glm::vec2 direction;
+};
+
+/// The point at arc length `s` metres from the source along the taut path to `node`; `s` is clamped to
+/// [0, distance]. O(corners of that path), no allocation.
+WayPoint pointAlong(const PredictionGraph& graph, NodeId node, float s);
+
+/// A corner ahead on a way: where it bends, how far off that is, and by how much.
+struct Bend {
+  float distance;  ///< arc length from the source, metres
+  float angle;     ///< radians, left positive, in (-pi, pi)
+  glm::vec2 plan;
+};
+
+/// The first bend of at least `minAngle` radians on the way to `node` at arc length > `after` metres.
+/// False where the way is straight from there on. O(corners of that path), no allocation.
+bool nextBend(const PredictionGraph& graph, NodeId node, float after, float minAngle, Bend& bend);
+
+/// The branch node ahead: the first one on the ways out, where every way has already passed or ends at
+/// it. kNoNode where the ways part at the source already, or there is no branch.
+NodeId branchAhead(const PredictionGraph& graph);
+
+/// Replaces `way` with the taut path from the source to `node`, the source first; world space, metres,
+/// heights at corners. Its plan length is node.distance. Every way out: call it for each of
+/// graph.terminals.
+void wayTo(const PredictionGraph& graph, NodeId node, std::vector<glm::vec3>& way);
+
+/// A hash of all that a consumer can see (not stats or timing); equal graphs, equal hash on one build.
+std::uint64_t hashOf(const PredictionGraph& graph);
+
+}  // namespace forewalk::prediction

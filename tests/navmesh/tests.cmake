@@ -1,0 +1,1 @@
+# Tests of navmesh/, one forewalk_test() a file.

@@ -1,0 +1,1 @@
+# Tests of rdw/, one forewalk_test() a file.

@@ -1,0 +1,1 @@
+# Tests of service/, one forewalk_test() a file.
