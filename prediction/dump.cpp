@@ -1,0 +1,454 @@
+#include "prediction/dump.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "navmesh/funnel.h"
+#include "navmesh/plan.h"
+#include "prediction/plan_drawing.h"
+#include "prediction/svg.h"
+
+namespace forewalk::prediction {
+namespace {
+
+using navmesh::NavGraph;
+
+// Keys in the order they are written, and floats printed as floats: 0.1f is "0.1", not
+// "0.10000000149011612".
+using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool, std::int64_t,
+                                  std::uint64_t, float>;
+
+constexpr float kLiftTolerance = 0.02f;  // how far a dumped path may leave the ground, metres
+
+std::string_view nameOf(NodeKind kind) {
+  switch (kind) {
+    case NodeKind::kSource: return "source";
+    case NodeKind::kBranch: return "branch";
+    case NodeKind::kTerminal: return "terminal";
+  }
+  return "";
+}
+
+std::string_view nameOf(TerminalReason reason) {
+  switch (reason) {
+    case TerminalReason::kNone: return "";
+    case TerminalReason::kHorizon: return "horizon";
+    case TerminalReason::kDeadEnd: return "dead_end";
+  }
+  return "";
+}
+
+std::string_view nameOf(EdgeKind kind) { return kind == EdgeKind::kTree ? "tree" : "loop"; }
+
+Json pointOf(glm::vec3 point) { return Json::array({point.x, point.y, point.z}); }
+
+float squaredDistance(glm::vec2 point, glm::vec2 a, glm::vec2 b) {
+  const glm::vec2 along = b - a;
+  const float squared = glm::dot(along, along);
+  const float t = squared > 0.0f ? glm::clamp(glm::dot(point - a, along) / squared, 0.0f, 1.0f) : 0.0f;
+  const glm::vec2 off = point - (a + t * along);
+  return glm::dot(off, off);
+}
+
+// The half-portals from polygon to polygon. Two polygons can be joined by several portals; the path
+// goes through the one whose middle it comes nearest to.
+std::vector<std::uint32_t> portalsAlong(const NavGraph& navGraph,
+                                        std::span<const PolygonId> polygons,
+                                        std::span<const glm::vec2> path) {
+  std::vector<std::uint32_t> portals;
+  for (std::size_t i = 0; i + 1 < polygons.size(); ++i) {
+    const std::uint32_t p = navmesh::index(polygons[i]);
+    std::uint32_t best = std::numeric_limits<std::uint32_t>::max();
+    float nearest = std::numeric_limits<float>::infinity();
+    for (std::uint32_t h = navGraph.portalStart[p]; h < navGraph.portalStart[p + 1]; ++h) {
+      if (navGraph.portalTo[h] != polygons[i + 1]) continue;
+      float distance = std::numeric_limits<float>::max();
+      for (std::size_t k = 0; k + 1 < path.size(); ++k) {
+        distance = std::min(distance,
+                            squaredDistance(navGraph.portalMidpoint[h], path[k], path[k + 1]));
+      }
+      if (distance < nearest) {
+        nearest = distance;
+        best = h;
+      }
+    }
+    if (best != std::numeric_limits<std::uint32_t>::max()) portals.push_back(best);
+  }
+  return portals;
+}
+
+Json pathOf(const NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge) {
+  const auto path = graph.pathOf(edge);
+  const auto polygons = graph.corridorOf(edge);
+  std::vector<glm::vec3> lifted;
+  if (!polygons.empty() && !path.empty()) {
+    navmesh::liftPath(navGraph, polygons.front(), portalsAlong(navGraph, polygons, path), path,
+                      kLiftTolerance, lifted);
+  }
+  Json points = Json::array();
+  for (const glm::vec3 point : lifted) points.push_back(pointOf(point));
+  return points;
+}
+
+Json nodeToJson(const PredictionGraph& graph, std::size_t i) {
+  const Node& node = graph.nodes[i];
+  Json json = {{"id", i}, {"kind", nameOf(node.kind)}};
+  if (node.reason != TerminalReason::kNone) json["reason"] = nameOf(node.reason);
+  if (node.kind == NodeKind::kTerminal && node.branch) json["branch"] = true;
+  json["polygon"] = node.polygon == navmesh::kNoPolygon ? Json() : Json(navmesh::index(node.polygon));
+  json["position"] = pointOf(node.position());
+  json["distance"] = node.distance;
+  json["prev"] = node.prev == kNoNode ? Json() : Json(index(node.prev));
+  return json;
+}
+
+Json edgeToJson(const NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge) {
+  Json polygons = Json::array();
+  for (const PolygonId polygon : graph.corridorOf(edge)) polygons.push_back(navmesh::index(polygon));
+  return {{"from", index(edge.from)}, {"to", index(edge.to)},     {"kind", nameOf(edge.kind)},
+          {"length", edge.length},    {"polygons", polygons},     {"path", pathOf(navGraph, graph, edge)}};
+}
+
+// A list with one element a line: readable, and a `diff` of two dumps names the nodes that differ.
+template <typename Element>
+void appendList(std::string& text, std::string_view name, std::size_t count, Element&& element) {
+  fmt::format_to(std::back_inserter(text), "  \"{}\": [", name);
+  for (std::size_t i = 0; i < count; ++i) {
+    text += i == 0 ? "\n    " : ",\n    ";
+    text += element(i).dump();
+  }
+  text += count == 0 ? "],\n" : "\n  ],\n";
+}
+
+// Colours and sizes are the same in every format, so that a person finds a node again.
+struct Look {
+  std::string_view fill;
+  std::string_view border;
+};
+
+Look lookOf(const Node& node) {
+  constexpr std::string_view kGreen = "#1f9d55", kRed = "#d6353a", kBlue = "#123a7a";
+  switch (node.kind) {
+    case NodeKind::kSource: return {kBlue, kBlue};
+    case NodeKind::kBranch: return {kRed, kRed};
+    case NodeKind::kTerminal: break;
+  }
+  if (node.reason == TerminalReason::kDeadEnd) return {"#ffffff", kGreen};
+  return {kGreen, kGreen};
+}
+
+}  // namespace
+
+std::string toJson(const NavGraph& navGraph, const PredictionGraph& graph, double microseconds) {
+  const navmesh::Location& at = graph.source;
+  const Json source = {
+      {"position", pointOf(at.position())},
+      {"polygon", at.polygon == navmesh::kNoPolygon ? Json() : Json(navmesh::index(at.polygon))}};
+  const Json stats = {{"settled", graph.stats.settled},
+                      {"relaxed", graph.stats.relaxed},
+                      {"microseconds", static_cast<float>(microseconds)}};
+  std::string text = "{\n  \"format\": \"forewalk.prediction/1\",\n";
+  fmt::format_to(std::back_inserter(text), "  \"horizon\": {},\n  \"complete_to\": {},\n",
+                 Json(graph.horizon).dump(), Json(graph.completeTo).dump());
+  fmt::format_to(std::back_inserter(text), "  \"source\": {},\n", source.dump());
+  appendList(text, "nodes", graph.nodes.size(), [&](std::size_t i) { return nodeToJson(graph, i); });
+  appendList(text, "edges", graph.edges.size(),
+             [&](std::size_t i) { return edgeToJson(navGraph, graph, graph.edges[i]); });
+  fmt::format_to(std::back_inserter(text), "  \"stats\": {}\n}}\n", stats.dump());
+  return text;
+}
+
+std::string toGraphml(const PredictionGraph& graph) {
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\"\n"
+      "         xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\"\n"
+      "         xmlns:y=\"http://www.yworks.com/xml/graphml\"\n"
+      "         xsi:schemaLocation=\"http://graphml.graphdrawing.org/xmlns "
+      "http://www.yworks.com/xml/schema/graphml/1.1/ygraphml.xsd\">\n"
+      "  <key id=\"drawn_node\" for=\"node\" yfiles.type=\"nodegraphics\"/>\n"
+      "  <key id=\"drawn_edge\" for=\"edge\" yfiles.type=\"edgegraphics\"/>\n";
+  const auto key = [&](std::string_view name, std::string_view on, std::string_view type,
+                       std::string_view meaning) {
+    fmt::format_to(std::back_inserter(text),
+                   "  <key id=\"{1}_{0}\" for=\"{1}\" attr.name=\"{0}\" attr.type=\"{2}\">"
+                   "<desc>{3}</desc></key>\n",
+                   name, on, type, meaning);
+  };
+  key("horizon", "graph", "double", "how far ahead was predicted, metres");
+  key("kind", "node", "string", "source, branch or terminal");
+  key("reason", "node", "string", "why prediction stops at a terminal: horizon or dead_end");
+  key("branch", "node", "boolean", "a polygon with more than two neighbours");
+  key("polygon", "node", "long", "of the navmesh");
+  key("x", "node", "double", "world x, metres");
+  key("y", "node", "double", "minus world z, metres: up on the page is forward");
+  key("height", "node", "double", "world y, metres");
+  key("distance", "node", "double", "length of the taut path from the source, metres");
+  key("kind", "edge", "string", "tree or loop");
+  key("length", "edge", "double", "of the taut path, metres");
+  fmt::format_to(std::back_inserter(text),
+                 "  <graph id=\"prediction\" edgedefault=\"undirected\">\n"
+                 "    <data key=\"graph_horizon\">{}</data>\n",
+                 Json(graph.horizon).dump());
+  constexpr float kYedPixels = 40.0f;  // a metre in yEd
+  const auto number = [](float value) { return fmt::format("{}", std::isfinite(value) ? value : 0.0f); };
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    const Node& node = graph.nodes[i];
+    const Look look = lookOf(node);
+    constexpr float kSize = 16.0f;
+    fmt::format_to(std::back_inserter(text), "    <node id=\"n{}\">\n", i);
+    fmt::format_to(
+        std::back_inserter(text),
+        "      <data key=\"drawn_node\"><y:ShapeNode><y:Geometry height=\"{0}\" width=\"{0}\" "
+        "x=\"{1}\" y=\"{2}\"/><y:Fill color=\"{3}\" transparent=\"false\"/><y:BorderStyle "
+        "color=\"{4}\" type=\"line\" width=\"2.0\"/><y:NodeLabel fontSize=\"9\" modelName=\"corners\" "
+        "modelPosition=\"se\">{5}: {6:.1f} m</y:NodeLabel><y:Shape type=\"{7}\"/></y:ShapeNode>"
+        "</data>\n",
+        kSize, number(node.plan.x * kYedPixels - kSize / 2),
+        number(-node.plan.y * kYedPixels - kSize / 2), look.fill, look.border, i, node.distance,
+        node.kind == NodeKind::kSource ? "diamond" : "ellipse");
+    // After the drawing, because networkx takes x and y from whichever comes last.
+    fmt::format_to(std::back_inserter(text), "      <data key=\"node_kind\">{}</data>\n",
+                   nameOf(node.kind));
+    if (node.reason != TerminalReason::kNone) {
+      fmt::format_to(std::back_inserter(text), "      <data key=\"node_reason\">{}</data>\n",
+                     nameOf(node.reason));
+    }
+    fmt::format_to(std::back_inserter(text),
+                   "      <data key=\"node_branch\">{}</data>\n"
+                   "      <data key=\"node_polygon\">{}</data>\n"
+                   "      <data key=\"node_x\">{}</data>\n"
+                   "      <data key=\"node_y\">{}</data>\n"
+                   "      <data key=\"node_height\">{}</data>\n"
+                   "      <data key=\"node_distance\">{}</data>\n    </node>\n",
+                   node.branch,
+                   node.polygon == navmesh::kNoPolygon ? std::int64_t{-1}
+                                                       : std::int64_t{navmesh::index(node.polygon)},
+                   number(node.plan.x), number(node.plan.y), number(node.height),
+                   number(node.distance));
+  }
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    const Edge& edge = graph.edges[i];
+    const bool tree = edge.kind == EdgeKind::kTree;
+    fmt::format_to(std::back_inserter(text),
+                   "    <edge id=\"e{}\" source=\"n{}\" target=\"n{}\">\n"
+                   "      <data key=\"drawn_edge\"><y:PolyLineEdge><y:LineStyle color=\"{}\" "
+                   "type=\"{}\" width=\"2.0\"/></y:PolyLineEdge></data>\n"
+                   "      <data key=\"edge_kind\">{}</data>\n"
+                   "      <data key=\"edge_length\">{}</data>\n    </edge>\n",
+                   i, index(edge.from), index(edge.to), tree ? "#2f5fb3" : "#8a5bb8",
+                   tree ? "line" : "dashed", nameOf(edge.kind), number(edge.length));
+  }
+  text += "  </graph>\n</graphml>\n";
+  return text;
+}
+
+std::string toDot(const PredictionGraph& graph) {
+  constexpr float kPoints = 36.0f;  // a metre; inputscale says that places are in points
+  std::string text = fmt::format(
+      "graph prediction {{\n"
+      "  graph [layout=neato, inputscale=72, outputorder=edgesfirst, splines=line, labelloc=t,\n"
+      "         fontname=\"Helvetica\", label=\"Ways ahead within {:.4g} m\"];\n"
+      "  node [shape=circle, fixedsize=true, width=0.16, label=\"\", style=filled, penwidth=1.5,\n"
+      "        fontname=\"Helvetica\", fontsize=8];\n"
+      "  edge [fontname=\"Helvetica\", fontsize=7, fontcolor=\"#5a6675\", color=\"#2f5fb3\"];\n",
+      graph.horizon);
+  const auto number = [](float value) { return std::isfinite(value) ? value : 0.0f; };
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    const Node& node = graph.nodes[i];
+    const Look look = lookOf(node);
+    fmt::format_to(std::back_inserter(text),
+                   "  n{} [pos=\"{:.2f},{:.2f}!\", fillcolor=\"{}\", color=\"{}\", xlabel=\"{}\", "
+                   "tooltip=\"{}{}{}, polygon {}, {:.2f} m\"{}];\n",
+                   i, number(node.plan.x) * kPoints, number(node.plan.y) * kPoints, look.fill,
+                   look.border, i, nameOf(node.kind),
+                   node.reason == TerminalReason::kNone ? "" : ": ", nameOf(node.reason),
+                   navmesh::index(node.polygon), number(node.distance),
+                   node.kind == NodeKind::kSource ? ", width=0.24" : "");
+  }
+  for (const Edge& edge : graph.edges) {
+    fmt::format_to(std::back_inserter(text), "  n{} -- n{} [label=\"{:.1f}\", len={:.4f}{}];\n",
+                   index(edge.from), index(edge.to), number(edge.length),
+                   std::max(number(edge.length) * kPoints / 72.0f, 0.01f),
+                   edge.kind == EdgeKind::kLoop ? ", style=dashed, color=\"#8a5bb8\"" : "");
+  }
+  text += "}\n";
+  return text;
+}
+
+namespace {
+
+// The storeys that are meant: those the ways lie on, and what is level with the source.
+std::vector<char> emphasisOf(const NavGraph& navGraph, const PredictionGraph& graph) {
+  constexpr float kStorey = 1.3f;  // half of a low storey, metres
+  std::vector<char> emphasised(navGraph.polygonCount(), 0);
+  for (std::uint32_t p = 0; p < navGraph.polygonCount(); ++p) {
+    emphasised[p] = std::abs(navGraph.centroidHeight[p] - graph.source.height) < kStorey;
+  }
+  for (const PolygonId polygon : graph.corridorPolygons) emphasised[navmesh::index(polygon)] = 1;
+  return emphasised;
+}
+
+PlanBounds shownBounds(const NavGraph& navGraph, const PredictionGraph& graph) {
+  PlanBounds all = boundsOf(navGraph);
+  PlanBounds ways;
+  for (const Node& node : graph.nodes) ways.add(node.plan);
+  for (const glm::vec2 point : graph.pathPoints) ways.add(point);
+  for (const PolygonId polygon : graph.corridorPolygons) {
+    for (const glm::vec2 corner : navGraph.ringOf(polygon)) ways.add(corner);
+  }
+  if (all.empty() || ways.empty()) return all.empty() ? ways : all;
+  const glm::dvec2 covered = ways.size();
+  const double worth = 3.0 * std::max({covered.x, covered.y, 8.0});
+  if (std::max(all.size().x, all.size().y) <= worth) return all;
+  const double margin = std::max(3.0, 0.15 * std::max(covered.x, covered.y));
+  return {glm::max(all.low, ways.low - margin), glm::min(all.high, ways.high + margin)};
+}
+
+// Labels that would lie on another label are left out.
+class Labels {
+ public:
+  bool place(glm::dvec2 corner, glm::dvec2 size) {
+    for (const auto& [low, high] : taken_) {
+      if (corner.x < high.x && corner.y < high.y && low.x < corner.x + size.x &&
+          low.y < corner.y + size.y) {
+        return false;
+      }
+    }
+    taken_.emplace_back(corner, corner + size);
+    return true;
+  }
+
+ private:
+  std::vector<std::pair<glm::dvec2, glm::dvec2>> taken_;
+};
+
+constexpr std::string_view kTreeStyle = "fill=\"none\" stroke=\"#2f5fb3\" stroke-width=\"2.4\"";
+constexpr std::string_view kLoopStyle =
+    "fill=\"none\" stroke=\"#8a5bb8\" stroke-width=\"2\" stroke-dasharray=\"2 5\"";
+
+void drawNode(SvgDrawing& drawing, glm::dvec2 at, const Node& node) {
+  const Look look = lookOf(node);
+  if (node.kind == NodeKind::kBranch) {
+    drawing.circle(at, 4.6, fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.4\"", look.fill));
+  } else if (node.reason == TerminalReason::kDeadEnd) {
+    drawing.circle(at, 4.8, fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"2.6\"", look.border));
+  } else {
+    drawing.circle(at, 6.2, fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.6\"", look.fill));
+  }
+}
+
+Node exampleNode(NodeKind kind, TerminalReason reason) {
+  Node node{};
+  node.kind = kind;
+  node.reason = reason;
+  return node;
+}
+
+std::string counted(std::size_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string describe(const PredictionGraph& graph) {
+  std::size_t branches = 0, horizon = 0, deadEnds = 0, loops = 0;
+  for (const Node& node : graph.nodes) {
+    branches += node.branch;
+    horizon += node.reason == TerminalReason::kHorizon;
+    deadEnds += node.reason == TerminalReason::kDeadEnd;
+  }
+  for (const Edge& edge : graph.edges) loops += edge.kind == EdgeKind::kLoop;
+  std::string text = fmt::format(
+      "Horizon {:.4g} m from ({:.4g}, {:.4g}, {:.4g}): {}, {} ({} at the horizon, {}), {}",
+      graph.horizon, graph.source.plan.x, graph.source.height, -graph.source.plan.y,
+      counted(branches, "branch node", "branch nodes"),
+      counted(horizon + deadEnds, "terminal", "terminals"), horizon,
+      counted(deadEnds, "dead end", "dead ends"), counted(loops, "loop edge", "loop edges"));
+  if (graph.flags & kPolygonLimit) {
+    text += fmt::format("; polygon limit reached, complete to {:.4g} m only", graph.completeTo);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const PlanText& text) {
+  const PlanPage page(shownBounds(navGraph, graph));
+  SvgDrawing drawing(page.pageSize().x, page.pageSize().y, "#fdfcfa");
+  const std::string title = text.title.empty()
+                                ? fmt::format("Ways ahead within {:.4g} m", graph.horizon)
+                                : std::string(text.title);
+  drawing.title(title);
+  drawHeading(drawing, page, title, describe(graph));
+  drawWalkable(drawing, page, navGraph, emphasisOf(navGraph, graph));
+
+  const auto trace = [&](std::span<const glm::vec2> points) {
+    std::vector<glm::dvec2> onPage;
+    for (const glm::vec2 point : points) onPage.push_back(page.at(point));
+    return onPage;
+  };
+  drawing.beginClip(page.corner(), page.mapSize());
+  // Whole ways from the source, broad and soft: where many lie together, the colour is strong.
+  drawing.beginGroup(
+      "fill=\"none\" stroke=\"#5b8def\" stroke-opacity=\"0.13\" stroke-width=\"9\"");
+  std::vector<glm::vec3> way;
+  for (const NodeId terminal : graph.terminals) {
+    wayTo(graph, terminal, way);
+    std::vector<glm::dvec2> points;
+    for (const glm::vec3 point : way) points.push_back(page.at(navmesh::toPlan(point)));
+    drawing.polyline(points, false, "");
+  }
+  drawing.endGroup();
+  for (const EdgeKind kind : {EdgeKind::kLoop, EdgeKind::kTree}) {
+    drawing.beginGroup(kind == EdgeKind::kTree ? kTreeStyle : kLoopStyle);
+    for (const Edge& edge : graph.edges) {
+      if (edge.kind == kind) drawing.polyline(trace(graph.pathOf(edge)), false, "");
+    }
+    drawing.endGroup();
+  }
+  for (const NodeKind kind : {NodeKind::kBranch, NodeKind::kTerminal}) {
+    for (const Node& node : graph.nodes) {
+      if (node.kind == kind) drawNode(drawing, page.at(node.plan), node);
+    }
+  }
+  Labels labels;
+  labels.place(page.at(graph.source.plan) - 14.0, {28, 28});
+  drawing.beginGroup(
+      "paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\" stroke-opacity=\"0.85\"");
+  for (const NodeId id : graph.terminals) {
+    const Node& node = graph.node(id);
+    const std::string words = fmt::format("{:.3g} m", node.distance);
+    const glm::dvec2 at = page.at(node.plan) + glm::dvec2(9, 4);
+    const glm::dvec2 size = {textWidth(words) * 11.5, 13};
+    if (at.x + size.x < page.corner().x + page.mapSize().x && labels.place(at - glm::dvec2(0, 11), size)) {
+      drawing.text(at, words, 11.5, Anchor::kStart, "fill=\"#14663a\"");
+    }
+  }
+  drawing.endGroup();
+  drawUser(drawing, page.at(graph.source.plan), text.heading.value_or(0.0f), text.heading.has_value());
+  drawing.endGroup();
+
+  drawCoordinates(drawing, page);
+  drawScaleBar(drawing, page);
+  LegendCursor cursor = beginLegend(page);
+  drawing.circle(legendEntry(drawing, page, cursor, "source (the user)"), 6.5, "fill=\"#123a7a\"");
+  drawNode(drawing, legendEntry(drawing, page, cursor, "branch node"),
+           exampleNode(NodeKind::kBranch, TerminalReason::kNone));
+  drawNode(drawing, legendEntry(drawing, page, cursor, "terminal at the horizon"),
+           exampleNode(NodeKind::kTerminal, TerminalReason::kHorizon));
+  drawNode(drawing, legendEntry(drawing, page, cursor, "dead end"),
+           exampleNode(NodeKind::kTerminal, TerminalReason::kDeadEnd));
+  glm::dvec2 at = legendEntry(drawing, page, cursor, "taut path");
+  drawing.line(at - glm::dvec2(12, 0), at + glm::dvec2(12, 0), kTreeStyle);
+  at = legendEntry(drawing, page, cursor, "loop");
+  drawing.line(at - glm::dvec2(12, 0), at + glm::dvec2(12, 0), kLoopStyle);
+  return drawing.finish();
+}
+
+}  // namespace forewalk::prediction
