@@ -1,6 +1,6 @@
 #include "bench/detour_peer.h"
 
-#include <DetourNavMeshBuilder.h>
+#include <DetourCommon.h>
 
 #include <cmath>
 #include <cstdio>

@@ -24,6 +24,7 @@ struct ListingNode {
   std::uint32_t polygon;
   std::uint32_t prev;    ///< polygon
   std::uint32_t prevPG;  ///< polygon
+  std::uint32_t entry;   ///< half-portal it was entered by; of S: 0xffffffff
   float dist;            ///< Dijkstra's, metres
   float taut;            ///< of the taut path from S, metres
   bool within;
