@@ -50,10 +50,10 @@ const std::vector<CircleSearch::Visit>& CircleSearch::run(const navmesh::Locatio
   for (const Visit& visit : visits_) reach_[visit.polygon] = Reach{};
   visits_.clear();
   reach_[index(start.polygon)].cost = 0.0f;
-  queue_.push(0.0f, start.polygon);
+  queue_.push(navmesh::KeyQueue::entryOf(0.0f, start.polygon));
   while (!queue_.empty()) {
-    const auto [cost, polygon] = queue_.pop();
-    const std::uint32_t at = index(polygon);
+    const std::uint32_t at = index(navmesh::KeyQueue::polygonOf(queue_.top()));
+    queue_.pop();
     Reach& here = reach_[at];
     if (here.closed) continue;
     here.closed = true;
@@ -79,7 +79,7 @@ const std::vector<CircleSearch::Visit>& CircleSearch::run(const navmesh::Locatio
       if (total >= there.cost) continue;
       there.cost = total;
       there.parent = at;
-      queue_.push(total, graph.portalTo[portal]);
+      queue_.push(navmesh::KeyQueue::entryOf(total, graph.portalTo[portal]));
     }
   }
   return visits_;

@@ -16,35 +16,52 @@ namespace forewalk::navmesh {
 /// Keys are finite and >= 0. Improved keys are pushed again; the caller skips entries that are stale.
 class KeyQueue {
  public:
-  struct Entry {
+  /// A key and its polygon in one comparable number.
+  using Entry = std::uint64_t;
+
+  // The bits of floats that are not negative are ordered as the floats are.
+  static Entry entryOf(float key, PolygonId polygon) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &key, sizeof bits);
+    return (Entry{bits} << 32) | index(polygon);
+  }
+  static PolygonId polygonOf(Entry entry) { return PolygonId{static_cast<std::uint32_t>(entry)}; }
+  static float keyOf(Entry entry) {
+    const std::uint32_t bits = static_cast<std::uint32_t>(entry >> 32);
     float key;
-    PolygonId polygon;
-  };
-
-  void reserve(std::size_t entries) { heap_.reserve(entries); }
-  void clear() { heap_.clear(); }
-  bool empty() const { return heap_.empty(); }
-  /// Another push would allocate.
-  bool full() const { return heap_.size() == heap_.capacity(); }
-
-  /// Entry i in no particular order, for walking over what is left. i < size().
-  Entry at(std::size_t i) const { return unpacked(heap_[i]); }
-  std::size_t size() const { return heap_.size(); }
-
-  void push(float key, PolygonId polygon) {
-    const std::uint64_t entry = packed(key, polygon);
-    heap_.push_back(entry);
-    rise(heap_.size() - 1, entry);
+    std::memcpy(&key, &bits, sizeof key);
+    return key;
   }
 
+  void reserve(std::size_t entries) { heap_.resize(entries); }
+  void clear() { size_ = 0; }
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return heap_.size(); }
+
+  /// Entry i in no particular order, for walking over what is left. i < size().
+  Entry at(std::size_t i) const { return heap_[i]; }
+
+  /// The smallest. Not on an empty queue.
+  Entry top() const { return heap_[0]; }
+
+  /// Not on a full queue (size() == capacity()).
+  void push(Entry entry) { rise(size_++, entry); }
+
   /// Not on an empty queue.
-  Entry pop() {
-    std::uint64_t* heap = heap_.data();
-    const std::uint64_t top = heap[0];
-    const std::uint64_t last = heap_.back();
-    heap_.pop_back();
-    const std::size_t count = heap_.size();
-    if (count == 0) return unpacked(top);
+  void pop() {
+    const Entry last = heap_[--size_];
+    if (size_ > 0) rise(sink(), last);
+  }
+
+  /// The same as pop() and push(entry), for the price of one: the hole is filled with what comes in.
+  void replaceTop(Entry entry) { rise(sink(), entry); }
+
+ private:
+  /// Moves the hole at the top to a leaf, always along the smaller child. Returns where it ends.
+  std::size_t sink() {
+    Entry* heap = heap_.data();
+    const std::size_t count = size_;
     std::size_t hole = 0;
     std::size_t child = 1;
     while (child + 1 < count) {
@@ -57,27 +74,11 @@ class KeyQueue {
       heap[hole] = heap[child];
       hole = child;
     }
-    rise(hole, last);
-    return unpacked(top);
+    return hole;
   }
 
- private:
-  // The bits of floats that are not negative are ordered as the floats are.
-  static std::uint64_t packed(float key, PolygonId polygon) {
-    std::uint32_t bits;
-    std::memcpy(&bits, &key, sizeof bits);
-    return (std::uint64_t{bits} << 32) | index(polygon);
-  }
-
-  static Entry unpacked(std::uint64_t entry) {
-    const std::uint32_t bits = static_cast<std::uint32_t>(entry >> 32);
-    float key;
-    std::memcpy(&key, &bits, sizeof key);
-    return {key, PolygonId{static_cast<std::uint32_t>(entry)}};
-  }
-
-  void rise(std::size_t hole, std::uint64_t entry) {
-    std::uint64_t* heap = heap_.data();
+  void rise(std::size_t hole, Entry entry) {
+    Entry* heap = heap_.data();
     while (hole > 0) {
       const std::size_t above = (hole - 1) / 2;
       if (heap[above] < entry) break;
@@ -87,7 +88,8 @@ class KeyQueue {
     heap[hole] = entry;
   }
 
-  std::vector<std::uint64_t> heap_;
+  std::vector<Entry> heap_;  // sized once; the first size_ are in use
+  std::size_t size_ = 0;
 };
 
 }  // namespace forewalk::navmesh

@@ -285,14 +285,18 @@ std::string toDot(const PredictionGraph& graph) {
 
 namespace {
 
-// The storeys that are meant: those the ways lie on, and what is level with the source.
+// Half of a low storey: what is less far above or below belongs to the same storey, metres.
+constexpr float kStorey = 1.3f;
+
+bool nearSource(const PredictionGraph& graph, float height) {
+  return std::abs(height - graph.source.height) < kStorey;
+}
+
 std::vector<char> emphasisOf(const NavGraph& navGraph, const PredictionGraph& graph) {
-  constexpr float kStorey = 1.3f;  // half of a low storey, metres
   std::vector<char> emphasised(navGraph.polygonCount(), 0);
   for (std::uint32_t p = 0; p < navGraph.polygonCount(); ++p) {
-    emphasised[p] = std::abs(navGraph.centroidHeight[p] - graph.source.height) < kStorey;
+    emphasised[p] = nearSource(graph, navGraph.centroidHeight[p]);
   }
-  for (const PolygonId polygon : graph.corridorPolygons) emphasised[navmesh::index(polygon)] = 1;
   return emphasised;
 }
 
@@ -312,21 +316,42 @@ PlanBounds shownBounds(const NavGraph& navGraph, const PredictionGraph& graph) {
   return {glm::max(all.low, ways.low - margin), glm::min(all.high, ways.high + margin)};
 }
 
-// Labels that would lie on another label are left out.
+// Finds places for labels where nothing lies yet; those that find none are left out.
 class Labels {
  public:
-  bool place(glm::dvec2 corner, glm::dvec2 size) {
-    for (const auto& [low, high] : taken_) {
-      if (corner.x < high.x && corner.y < high.y && low.x < corner.x + size.x &&
-          low.y < corner.y + size.y) {
-        return false;
+  void block(glm::dvec2 centre, double radius) {
+    taken_.emplace_back(centre - radius, centre + radius);
+  }
+
+  // Beside `at`, rather on the side of `outward` than on another.
+  bool place(const PlanPage& page, glm::dvec2 at, glm::dvec2 outward, glm::dvec2 size,
+             glm::dvec2& centre) {
+    const glm::dvec2 sides[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    std::vector<glm::dvec2> candidates(std::begin(sides), std::end(sides));
+    std::stable_sort(candidates.begin(), candidates.end(), [&](glm::dvec2 a, glm::dvec2 b) {
+      return glm::dot(a, outward) > glm::dot(b, outward);
+    });
+    for (const glm::dvec2 side : candidates) {
+      centre = at + side * (0.5 * size + 7.0);
+      const glm::dvec2 low = centre - 0.5 * size, high = centre + 0.5 * size;
+      const glm::dvec2 end = page.corner() + page.mapSize();
+      if (low.x < page.corner().x || low.y < page.corner().y || high.x > end.x || high.y > end.y ||
+          overlaps(low, high)) {
+        continue;
       }
+      taken_.emplace_back(low, high);
+      return true;
     }
-    taken_.emplace_back(corner, corner + size);
-    return true;
+    return false;
   }
 
  private:
+  bool overlaps(glm::dvec2 low, glm::dvec2 high) const {
+    return std::any_of(taken_.begin(), taken_.end(), [&](const auto& box) {
+      return low.x < box.second.x && low.y < box.second.y && box.first.x < high.x && box.first.y < high.y;
+    });
+  }
+
   std::vector<std::pair<glm::dvec2, glm::dvec2>> taken_;
 };
 
@@ -402,32 +427,46 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
     wayTo(graph, terminal, way);
     std::vector<glm::dvec2> points;
     for (const glm::vec3 point : way) points.push_back(page.at(navmesh::toPlan(point)));
-    drawing.polyline(points, false, "");
+    const bool near = nearSource(graph, graph.node(terminal).height);
+    drawing.polyline(points, false, near ? "" : "stroke-opacity=\"0.06\"");
   }
   drawing.endGroup();
-  for (const EdgeKind kind : {EdgeKind::kLoop, EdgeKind::kTree}) {
-    drawing.beginGroup(kind == EdgeKind::kTree ? kTreeStyle : kLoopStyle);
-    for (const Edge& edge : graph.edges) {
-      if (edge.kind == kind) drawing.polyline(trace(graph.pathOf(edge)), false, "");
+  // What lies on other storeys first and pale, then what lies near.
+  for (const bool near : {false, true}) {
+    drawing.beginGroup(near ? "opacity=\"1\"" : "opacity=\"0.3\"");
+    for (const EdgeKind kind : {EdgeKind::kLoop, EdgeKind::kTree}) {
+      drawing.beginGroup(kind == EdgeKind::kTree ? kTreeStyle : kLoopStyle);
+      for (const Edge& edge : graph.edges) {
+        const bool edgeNear = nearSource(graph, graph.node(edge.from).height) ||
+                              nearSource(graph, graph.node(edge.to).height);
+        if (edge.kind == kind && edgeNear == near) drawing.polyline(trace(graph.pathOf(edge)), false, "");
+      }
+      drawing.endGroup();
+    }
+    for (const NodeKind kind : {NodeKind::kBranch, NodeKind::kTerminal}) {
+      for (const Node& node : graph.nodes) {
+        if (node.kind == kind && nearSource(graph, node.height) == near) {
+          drawNode(drawing, page.at(node.plan), node);
+        }
+      }
     }
     drawing.endGroup();
   }
-  for (const NodeKind kind : {NodeKind::kBranch, NodeKind::kTerminal}) {
-    for (const Node& node : graph.nodes) {
-      if (node.kind == kind) drawNode(drawing, page.at(node.plan), node);
-    }
-  }
+  // How far off the dead ends are; the other terminals are all at the horizon.
   Labels labels;
-  labels.place(page.at(graph.source.plan) - 14.0, {28, 28});
+  for (const Node& node : graph.nodes) labels.block(page.at(node.plan), 5);
+  labels.block(page.at(graph.source.plan), 14);
   drawing.beginGroup(
       "paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\" stroke-opacity=\"0.85\"");
   for (const NodeId id : graph.terminals) {
     const Node& node = graph.node(id);
+    if (node.reason != TerminalReason::kDeadEnd || !nearSource(graph, node.height)) continue;
+    const WayPoint end = pointAlong(graph, id, node.distance);
     const std::string words = fmt::format("{:.3g} m", node.distance);
-    const glm::dvec2 at = page.at(node.plan) + glm::dvec2(9, 4);
-    const glm::dvec2 size = {textWidth(words) * 11.5, 13};
-    if (at.x + size.x < page.corner().x + page.mapSize().x && labels.place(at - glm::dvec2(0, 11), size)) {
-      drawing.text(at, words, 11.5, Anchor::kStart, "fill=\"#14663a\"");
+    const glm::dvec2 size = {textWidth(words) * 11, 12};
+    glm::dvec2 centre;
+    if (labels.place(page, page.at(node.plan), {end.direction.x, -end.direction.y}, size, centre)) {
+      drawing.text(centre + glm::dvec2(0, 4), words, 11, Anchor::kMiddle, "fill=\"#3a6b50\"");
     }
   }
   drawing.endGroup();
@@ -440,7 +479,8 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
   drawing.circle(legendEntry(drawing, page, cursor, "source (the user)"), 6.5, "fill=\"#123a7a\"");
   drawNode(drawing, legendEntry(drawing, page, cursor, "branch node"),
            exampleNode(NodeKind::kBranch, TerminalReason::kNone));
-  drawNode(drawing, legendEntry(drawing, page, cursor, "terminal at the horizon"),
+  drawNode(drawing,
+           legendEntry(drawing, page, cursor, fmt::format("horizon, {:.4g} m", graph.horizon)),
            exampleNode(NodeKind::kTerminal, TerminalReason::kHorizon));
   drawNode(drawing, legendEntry(drawing, page, cursor, "dead end"),
            exampleNode(NodeKind::kTerminal, TerminalReason::kDeadEnd));

@@ -3,59 +3,53 @@
 #include <algorithm>
 #include <cassert>
 
-#include "navmesh/plan.h"
-
 namespace forewalk::prediction {
 
+using navmesh::KeyQueue;
 using navmesh::NavGraph;
-using navmesh::turn;
-
-namespace {
-
-/// A funnel seen from one of its sides: `near` is the end of the chain a point is added to.
-struct Funnel {
-  std::uint32_t near;
-  std::uint32_t far;
-  std::uint32_t apex;
-};
-
-/// Where the taut path to `point` leaves the funnel. `side` is +1 where `near` is the left chain, -1
-/// where it is the right one. Moves the apex when the path runs along the far chain.
-std::uint32_t tangent(const Corner* corners, Funnel& funnel, glm::vec2 point, float side) {
-  for (std::uint32_t at = funnel.near; at != funnel.apex;) {
-    const std::uint32_t before = corners[at].previous;
-    if (side * turn(corners[before].plan, corners[at].plan, point) > 0.0f) return at;
-    at = before;
-  }
-  for (std::uint32_t at = funnel.far; at != funnel.apex;) {
-    const std::uint32_t before = corners[at].previous;
-    if (side * turn(corners[before].plan, corners[at].plan, point) < 0.0f) {
-      funnel.apex = at;
-      return at;
-    }
-    at = before;
-  }
-  return funnel.apex;
-}
-
-}  // namespace
 
 HorizonSearch::HorizonSearch(const NavGraph& graph, std::uint32_t polygonLimit)
     : graph_(&graph), limit_(std::max(1u, std::min(polygonLimit, graph.polygonCount()))) {
+  for (std::uint32_t polygon = 0; polygon < graph.polygonCount(); ++polygon) {
+    mostNeighbours_ = std::max(mostNeighbours_,
+                               graph.portalStart[polygon + 1] - graph.portalStart[polygon]);
+  }
   reach_.resize(graph.polygonCount());
-  // Every settled polygon pushes each neighbour at most once, so this is enough for most graphs; a
-  // queue that fills up is reported like a tree that does.
-  queue_.reserve(std::min<std::size_t>(graph.portalCount(), std::size_t{8} * limit_) + 1);
-  tree_.reserve(limit_);
+  // Each half-portal of a settled polygon is pushed at most once. That many for the whole limit would be
+  // wasteful in large graphs; a queue that fills up is reported like a tree that does.
+  queue_.reserve(std::min<std::size_t>(graph.portalCount(), std::size_t{8} * limit_) +
+                 mostNeighbours_ + 1);
+  tree_.resize(limit_);
+  funnels_.reserve(limit_);
+  funnels_.reserve(limit_);
+  improved_.resize(mostNeighbours_ + 1);
 }
 
 void HorizonSearch::reset() {
-  for (const SearchNode& node : tree_) reach_[index(node.polygon)] = Reach{};
-  for (std::size_t i = 0; i < queue_.size(); ++i) reach_[index(queue_.at(i).polygon)] = Reach{};
-  tree_.clear();
+  for (const SearchNode& node : tree()) reach_[index(node.polygon)] = Reach{};
+  for (std::size_t i = 0; i < queue_.size(); ++i) {
+    reach_[index(KeyQueue::polygonOf(queue_.at(i)))] = Reach{};
+  }
+  count_ = 0;
   queue_.clear();
   relaxed_ = 0;
   limitReached_ = false;
+}
+
+void HorizonSearch::settle(PolygonId polygon, const Reach& reach) {
+  if (count_ > 0) funnels_.add({reach.parent, reach.portal});
+  // Field by field into its place: built aside and copied, it would wait for the store buffer.
+  SearchNode& node = tree_[count_++];
+  node.polygon = polygon;
+  node.parent = reach.parent;
+  node.portal = reach.portal;
+  node.key = reach.key;
+  node.prevPG = 0;
+  node.within = true;
+  node.branch = false;
+  node.hasWithinChild = false;
+  node.hasCutChild = false;
+  node.dropped = false;
 }
 
 void HorizonSearch::relaxFromSource(const navmesh::Location& source) {
@@ -67,17 +61,14 @@ void HorizonSearch::relaxFromSource(const navmesh::Location& source) {
     Reach& reach = reach_[index(to)];
     const float key = glm::distance(source.plan, graph_->portalMidpoint[portal]);
     if (key >= reach.key) continue;
-    if (queue_.full()) {
-      limitReached_ = true;
-      return;
-    }
     reach.key = key;
     reach.portal = portal;
     reach.parent = 0;
-    queue_.push(key, to);
+    queue_.push(KeyQueue::entryOf(key, to));
   }
 }
 
+/// Looks at the neighbours of the node whose entry is still the queue's top, and takes that out.
 void HorizonSearch::relax(std::uint32_t node) {
   const SearchNode& from = tree_[node];
   const std::uint32_t begin = graph_->portalStart[index(from.polygon)];
@@ -85,106 +76,101 @@ void HorizonSearch::relax(std::uint32_t node) {
   const float* length = graph_->successorLength.data() + graph_->successorStart[from.portal];
   const PolygonId* to = graph_->portalTo.data();
   relaxed_ += end - begin;
-  for (std::uint32_t portal = begin; portal < end; ++portal, ++length) {
+
+  // Which neighbours improve is as good as random to the branch predictor, so they are listed without a
+  // branch first. A settled polygon's key is not larger than any that comes later: no test of its own.
+  std::uint32_t improvedCount = 0;
+  for (std::uint32_t portal = begin; portal < end; ++portal) {
+    improved_[improvedCount] = portal;
+    improvedCount += from.key + length[portal - begin] < reach_[index(to[portal])].key ? 1u : 0u;
+  }
+  bool topTaken = false;
+  for (std::uint32_t i = 0; i < improvedCount; ++i) {
+    const std::uint32_t portal = improved_[i];
     Reach& reach = reach_[index(to[portal])];
-    // A settled polygon's key is not larger than any that comes later, so it needs no test of its own.
-    const float key = from.key + *length;
-    if (key >= reach.key) continue;
-    if (queue_.full()) {
-      tree_[node].dropped = true;
-      limitReached_ = true;
-      return;
-    }
+    const float key = from.key + length[portal - begin];
+    if (key >= reach.key) continue;  // two portals to the same neighbour
     reach.key = key;
     reach.portal = portal;
     reach.parent = node;
-    queue_.push(key, to[portal]);
+    const KeyQueue::Entry entry = KeyQueue::entryOf(key, to[portal]);
+    if (topTaken) {
+      queue_.push(entry);
+    } else {
+      queue_.replaceTop(entry);
+      topTaken = true;
+    }
   }
+  if (!topTaken) queue_.pop();
 }
 
-void HorizonSearch::extendFunnel(SearchNode& node, std::vector<Corner>& corners) const {
-  const SearchNode& parent = tree_[node.parent];
-  const navmesh::Portal& portal = graph_->portals[node.portal];
-  node.apex = parent.apex;
-  node.left = parent.left;
-  node.right = parent.right;
-
-  // One end of the portal after the other; where it is the old end, nothing changes.
-  const auto narrow = [&](std::uint32_t& nearEnd, std::uint32_t farEnd, glm::vec2 point, float height,
-                          float side) {
-    if (corners[nearEnd].plan == point) return;
-    Funnel funnel{nearEnd, farEnd, node.apex};
-    const std::uint32_t before = tangent(corners.data(), funnel, point, side);
-    node.apex = funnel.apex;
-    const float distance = corners[before].distance + glm::distance(corners[before].plan, point);
-    nearEnd = static_cast<std::uint32_t>(corners.size());
-    corners.push_back({point, height, distance, before});
-  };
-  const navmesh::PortalHeights& heights = graph_->portalHeights[node.portal];
-  narrow(node.left, node.right, portal.left, heights.left, 1.0f);
-  narrow(node.right, node.left, portal.right, heights.right, -1.0f);
-}
-
-std::uint32_t HorizonSearch::cornerBefore(const std::vector<Corner>& corners, std::uint32_t node,
-                                          glm::vec2 end) const {
+bool HorizonSearch::isWithin(std::uint32_t node, glm::vec2 source, float horizon,
+                             const std::vector<Corner>& corners, Limit limit) {
   const SearchNode& at = tree_[node];
-  Funnel funnel{at.left, at.right, at.apex};
-  return tangent(corners.data(), funnel, end, 1.0f);
+  if (at.key + graph_->portalToCentroid[at.portal] <= horizon) return true;
+  if (limit == Limit::kKey) return false;
+  const glm::vec2 centroid = graph_->centroid[index(at.polygon)];
+  if (glm::distance(source, centroid) > horizon) return false;
+  // The way by the last bend that all paths through the parent share is no longer than the taut path.
+  const Corner& shared = corners[funnels_.cornerShared(at.parent)];
+  if (shared.distance + glm::distance(shared.plan, centroid) > horizon) return false;
+  const Corner& before = corners[cornerBefore(node, centroid, horizon)];
+  return before.distance + glm::distance(before.plan, centroid) <= horizon;
 }
 
+/// The limit stops the search: the ways that are still in the queue are dropped.
 void HorizonSearch::dropQueue() {
   limitReached_ = true;
   for (std::size_t i = 0; i < queue_.size(); ++i) {
-    const Reach& reach = reach_[index(queue_.at(i).polygon)];
+    const Reach& reach = reach_[index(KeyQueue::polygonOf(queue_.at(i)))];
     if (reach.treeIndex == kNone) tree_[reach.parent].dropped = true;
   }
 }
 
+/// Branches, the ways' links to them, and where ways go on: one pass behind the search.
+void HorizonSearch::annotate() {
+  for (std::uint32_t i = 1; i < count_; ++i) {
+    SearchNode& node = tree_[i];
+    SearchNode& parent = tree_[node.parent];
+    node.prevPG = parent.branch ? node.parent : parent.prevPG;
+    node.branch = node.within && graph_->neighbourCount[index(node.polygon)] > 2;
+    parent.hasWithinChild |= node.within;
+    parent.hasCutChild |= !node.within;
+  }
+}
+
 void HorizonSearch::run(const navmesh::Location& source, float horizon,
-                        std::vector<Corner>& corners) {
+                        std::vector<Corner>& corners, Limit limit) {
   assert(index(source.polygon) < graph_->polygonCount());
   reset();
-  corners.clear();
-  corners.push_back({source.plan, source.height, 0.0f, 0});
+  funnels_.restart(*graph_, source.plan, source.height, corners);
 
   reach_[index(source.polygon)] = {0.0f, kNone, 0, 0};
-  tree_.push_back({.polygon = source.polygon, .parent = 0, .portal = kNone, .key = 0.0f, .prevPG = 0,
-                   .apex = 0, .left = 0, .right = 0, .within = true, .branch = false,
-                   .hasWithinChild = false, .hasCutChild = false, .dropped = false});
+  settle(source.polygon, reach_[index(source.polygon)]);
   relaxFromSource(source);
 
   while (!queue_.empty()) {
-    const auto [key, polygon] = queue_.pop();
+    const PolygonId polygon = KeyQueue::polygonOf(queue_.top());
     Reach& reach = reach_[index(polygon)];
-    if (reach.treeIndex != kNone) continue;  // stale: settled by a better key
-    if (tree_.size() == limit_) {
-      queue_.push(key, polygon);
+    if (reach.treeIndex != kNone) {  // stale: settled by a better key
+      queue_.pop();
+      continue;
+    }
+    if (count_ == limit_ || queue_.size() + mostNeighbours_ > queue_.capacity()) {
       dropQueue();
-      return;
+      break;
     }
-
-    const std::uint32_t at = static_cast<std::uint32_t>(tree_.size());
-    reach.treeIndex = at;
-    SearchNode node{.polygon = polygon, .parent = reach.parent, .portal = reach.portal,
-                    .key = reach.key, .prevPG = 0, .apex = 0, .left = 0, .right = 0, .within = true,
-                    .branch = false, .hasWithinChild = false, .hasCutChild = false, .dropped = false};
-    SearchNode& parent = tree_[node.parent];
-    node.prevPG = parent.branch ? node.parent : parent.prevPG;
-    extendFunnel(node, corners);
-    tree_.push_back(node);
-
-    const glm::vec2 centroid = graph_->centroid[index(polygon)];
-    bool within = node.key + graph_->portalToCentroid[node.portal] <= horizon;
-    if (!within && glm::distance(source.plan, centroid) <= horizon) {
-      const Corner& before = corners[cornerBefore(corners, at, centroid)];
-      within = before.distance + glm::distance(before.plan, centroid) <= horizon;
+    const std::uint32_t node = count_;
+    reach.treeIndex = node;
+    settle(polygon, reach);
+    tree_[node].within = isWithin(node, source.plan, horizon, corners, limit);
+    if (tree_[node].within) {
+      relax(node);
+    } else {
+      queue_.pop();
     }
-    tree_[at].within = within;
-    (within ? parent.hasWithinChild : parent.hasCutChild) = true;
-    if (!within) continue;
-    tree_[at].branch = graph_->neighbourCount[index(polygon)] > 2;
-    relax(at);
   }
+  annotate();
 }
 
 }  // namespace forewalk::prediction

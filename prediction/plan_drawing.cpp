@@ -151,7 +151,7 @@ void drawCoordinates(SvgDrawing& drawing, const PlanPage& page) {
 }
 
 void drawScaleBar(SvgDrawing& drawing, const PlanPage& page) {
-  const double step = roundStep(40 / page.scale());
+  const double step = roundStep(22 / page.scale());  // so that four pieces fit the bar's place
   const double pixels = step * page.scale();
   const glm::dvec2 left = {page.corner().x + page.mapSize().x - 4 * pixels - 24,
                            page.legendTop() + 12};
@@ -174,7 +174,7 @@ glm::dvec2 legendEntry(SvgDrawing& drawing, const PlanPage& page, LegendCursor& 
                        std::string_view words) {
   constexpr double kSign = 34, kSize = 12.5, kGap = 24;
   const double width = kSign + textWidth(words) * kSize + kGap;
-  const double right = page.corner().x + page.mapSize().x - 240;  // the scale bar's place
+  const double right = page.corner().x + page.mapSize().x - 270;  // the scale bar's place
   if (cursor.next.x > page.corner().x && cursor.next.x + width - kGap > right) {
     cursor.next = {page.corner().x, cursor.next.y + 24};
   }
@@ -189,11 +189,12 @@ void drawUser(SvgDrawing& drawing, glm::dvec2 at, float heading, bool withHeadin
     const glm::vec2 plan = navmesh::directionOf(heading);
     const glm::dvec2 ahead = {plan.x, -plan.y};  // the page's y points down
     const glm::dvec2 side = {-ahead.y, ahead.x};
-    const glm::dvec2 arrow[] = {at + 27.0 * ahead, at + 12.0 * ahead + 8.0 * side,
-                                at + 15.0 * ahead, at + 12.0 * ahead - 8.0 * side};
-    drawing.polyline(arrow, true, "fill=\"#123a7a\" stroke=\"#ffffff\" stroke-width=\"1.5\"");
+    const glm::dvec2 arrow[] = {at + 25.0 * ahead, at + 2.0 * ahead + 8.5 * side,
+                                at + 2.0 * ahead - 8.5 * side};
+    drawing.polyline(arrow, true, "fill=\"#123a7a\" stroke=\"#ffffff\" stroke-width=\"2\"");
   }
-  drawing.circle(at, 8.5, "fill=\"#123a7a\" stroke=\"#ffffff\" stroke-width=\"2.5\"");
+  drawing.circle(at, 8.5, "fill=\"#123a7a\" stroke=\"#ffffff\" stroke-width=\"2\"");
+  drawing.circle(at, 3, "fill=\"#ffffff\"");
 }
 
 double roundStep(double value) {

@@ -66,7 +66,7 @@ void drawWalkable(SvgDrawing& drawing, const PlanPage& page, const navmesh::NavG
 /// Coordinates along the left and lower edge, x and z in metres.
 void drawCoordinates(SvgDrawing& drawing, const PlanPage& page);
 
-/// The same, but with the plan's own y (which is -z) for planes that are not the scene's.
+/// A ruler in metres, at the right of the legend.
 void drawScaleBar(SvgDrawing& drawing, const PlanPage& page);
 
 /// One entry of a legend: its sign is drawn by the caller at the place this returns.

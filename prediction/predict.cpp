@@ -12,18 +12,18 @@ using navmesh::Portal;
 
 namespace {
 
-/// A point on a taut path and the tree node whose polygon holds it.
-struct Cut {
-  glm::vec2 plan;
-  float height;
-  std::uint32_t corner;  // the last one before the cut
-  std::uint32_t holder;  // tree index
-};
+/// Twice the signed area in double precision: the sign is that of the exact result.
+double exactTurn(glm::vec2 a, glm::vec2 b, glm::vec2 c) {
+  const glm::dvec2 ab = glm::dvec2(b) - glm::dvec2(a);
+  const glm::dvec2 ac = glm::dvec2(c) - glm::dvec2(a);
+  return ab.x * ac.y - ab.y * ac.x;
+}
 
-/// Builds one graph. Lives for one predict() call; every buffer is the scratch's.
+/// Builds one graph. Lives for one predict() call; every buffer is the scratch's. Nodes and edges are filled
+/// field by field in their places: built aside and copied, they would wait for the store buffer.
 class Assembly {
  public:
-  Assembly(const NavGraph& navGraph, const HorizonSearch& search, PredictionGraph& out,
+  Assembly(const NavGraph& navGraph, HorizonSearch& search, PredictionGraph& out,
            std::vector<std::uint32_t>& nodeOf, std::vector<std::uint32_t>& treeOf,
            std::vector<Portal>& corridor, std::vector<glm::vec2>& path)
       : navGraph_(navGraph),
@@ -36,13 +36,8 @@ class Assembly {
         path_(path) {}
 
   void addSource() {
-    Node node = blankNode(NodeKind::kSource, 0);
-    node.plan = out_.source.plan;
-    node.height = out_.source.height;
-    node.prev = kNoNode;
+    addNode(0, NodeKind::kSource, out_.source.plan, out_.source.height, 0.0f, 0).prev = kNoNode;
     nodeOf_[0] = 0;
-    out_.nodes.push_back(node);
-    treeOf_.push_back(0);
   }
 
   void addTreeNode(std::uint32_t at) {
@@ -82,93 +77,98 @@ class Assembly {
   }
 
  private:
-  Node blankNode(NodeKind kind, std::uint32_t at) const {
-    return {.kind = kind,
-            .reason = TerminalReason::kNone,
-            .branch = tree_[at].branch,
-            .polygon = tree_[at].polygon,
-            .plan = {},
-            .height = 0.0f,
-            .distance = 0.0f,
-            .prev = NodeId{nodeOf_[tree_[at].prevPG]},
-            .corner = 0,
-            .firstChild = 0,
-            .childCount = 0};
+  Node& addNode(std::uint32_t at, NodeKind kind, glm::vec2 plan, float height, float distance,
+                std::uint32_t corner) {
+    treeOf_.push_back(at);
+    Node& node = out_.nodes.emplace_back();
+    node.kind = kind;
+    node.reason = TerminalReason::kNone;
+    node.branch = tree_[at].branch;
+    node.polygon = tree_[at].polygon;
+    node.plan = plan;
+    node.height = height;
+    node.distance = distance;
+    node.prev = NodeId{nodeOf_[tree_[at].prevPG]};
+    node.corner = corner;
+    node.firstChild = 0;
+    node.childCount = 0;
+    return node;
+  }
+
+  void addTerminal(Node& node, TerminalReason reason) {
+    node.kind = NodeKind::kTerminal;
+    node.reason = reason;
+    out_.terminals.push_back(NodeId{static_cast<std::uint32_t>(out_.nodes.size() - 1)});
   }
 
   void addAtCentroid(std::uint32_t at, bool wayGoesOn) {
-    Node node = blankNode(wayGoesOn ? NodeKind::kBranch : NodeKind::kTerminal, at);
-    if (!wayGoesOn) {
-      node.reason = tree_[at].dropped ? TerminalReason::kHorizon : TerminalReason::kDeadEnd;
-    }
-    node.plan = navGraph_.centroid[index(node.polygon)];
-    node.height = navGraph_.centroidHeight[index(node.polygon)];
-    node.corner = search_.cornerBefore(out_.corners, at, node.plan);
-    const Corner& before = out_.corners[node.corner];
+    const std::uint32_t polygon = index(tree_[at].polygon);
+    const glm::vec2 plan = navGraph_.centroid[polygon];
+    const std::uint32_t corner = search_.cornerBefore(at, plan);
+    const Corner& before = out_.corners[corner];
     // A taut length that rounding puts a hair beyond the horizon was within it as a bound.
-    node.distance =
-        std::min(out_.horizon, before.distance + glm::distance(before.plan, node.plan));
+    const float distance = std::min(out_.horizon, before.distance + glm::distance(before.plan, plan));
     nodeOf_[at] = static_cast<std::uint32_t>(out_.nodes.size());
-    add(node, at, at);
+    Node& node =
+        addNode(at, NodeKind::kBranch, plan, navGraph_.centroidHeight[polygon], distance, corner);
+    if (!wayGoesOn) {
+      addTerminal(node, tree_[at].dropped ? TerminalReason::kHorizon : TerminalReason::kDeadEnd);
+    }
+    joinTree(plan, node.prev, at, tree_[at].prevPG);
   }
 
+  /// A terminal at arc length `horizon` on the taut path to the centroid of a tree node beyond it.
   void addCut(std::uint32_t at) {
-    const Cut cut = cutAtHorizon(at);
-    Node node = blankNode(NodeKind::kTerminal, at);
-    node.reason = TerminalReason::kHorizon;
-    node.branch = false;
-    node.polygon = tree_[cut.holder].polygon;
-    node.plan = cut.plan;
-    node.height = cut.height;
-    node.corner = cut.corner;
-    node.distance = out_.horizon;
-    add(node, at, cut.holder);
-  }
-
-  void add(const Node& node, std::uint32_t at, std::uint32_t holder) {
-    const NodeId id{static_cast<std::uint32_t>(out_.nodes.size())};
-    out_.nodes.push_back(node);
-    treeOf_.push_back(at);
-    if (node.kind == NodeKind::kTerminal) out_.terminals.push_back(id);
-    joinTree(id, node, holder, tree_[at].prevPG);
-  }
-
-  /// The point at arc length `horizon` on the taut path to the centroid of a node beyond it.
-  Cut cutAtHorizon(std::uint32_t at) const {
     const std::vector<Corner>& corners = out_.corners;
     glm::vec2 ahead = navGraph_.centroid[index(tree_[at].polygon)];
-    float aheadHeight = navGraph_.centroidHeight[index(tree_[at].polygon)];
-    std::uint32_t corner = search_.cornerBefore(corners, at, ahead);
-    while (corners[corner].distance > out_.horizon) {
+    std::uint32_t corner = search_.cornerBefore(at, ahead, out_.horizon);
+    bool onLastLeg = true;
+    for (; corners[corner].distance > out_.horizon; corner = corners[corner].previous) {
       ahead = corners[corner].plan;
-      aheadHeight = corners[corner].height;
-      corner = corners[corner].previous;
+      onLastLeg = false;
     }
     const Corner& before = corners[corner];
-    const float step = glm::distance(before.plan, ahead);
-    const float share =
-        step > 0.0f ? std::min(1.0f, (out_.horizon - before.distance) / step) : 0.0f;
-    Cut cut{before.plan + share * (ahead - before.plan), 0.0f, corner, at};
+    const float leg = glm::distance(before.plan, ahead);
+    const float share = leg > 0.0f ? std::min(1.0f, (out_.horizon - before.distance) / leg) : 0.0f;
+    const glm::vec2 plan = before.plan + share * (ahead - before.plan);
 
-    // Almost always the last polygon or the one before it. On a tie between polygons that touch at the
-    // cut the one farther along wins.
-    constexpr float kOnBorder = 1e-3f;
-    while (cut.holder != 0 &&
-           !navmesh::contains(navGraph_, tree_[cut.holder].polygon, cut.plan, kOnBorder)) {
-      cut.holder = tree_[cut.holder].parent;
-    }
-    cut.height = before.height + share * (aheadHeight - before.height);
-    return cut;
+    const std::uint32_t holder = onLastLeg ? holderOnLastLeg(at, plan) : holderAmongAll(at, plan);
+    const PolygonId polygon = tree_[holder].polygon;
+    Node& node = addNode(at, NodeKind::kTerminal, plan, navmesh::heightAt(navGraph_, polygon, plan),
+                         out_.horizon, corner);
+    node.branch = false;
+    node.polygon = polygon;
+    addTerminal(node, TerminalReason::kHorizon);
+    joinTree(plan, node.prev, holder, tree_[at].prevPG);
   }
 
-  /// Tree edge from node `id`, whose place is in the polygon of tree node `holder`, to its prevPG.
-  void joinTree(NodeId id, const Node& node, std::uint32_t holder, std::uint32_t prev) {
-    const Node& to = out_.nodes[index(node.prev)];
+  /// The tree node whose polygon holds a point of the path's last straight leg, which ends in `at`: the leg
+  /// crosses each portal's line once, so the point is past the portals that it lies beyond.
+  std::uint32_t holderOnLastLeg(std::uint32_t at, glm::vec2 point) const {
+    while (at != 0) {
+      const Portal& portal = navGraph_.portals[tree_[at].portal];
+      if (navmesh::turn(portal.right, portal.left, point) <= 0.0f) break;
+      at = tree_[at].parent;
+    }
+    return at;
+  }
+
+  /// The same for a point anywhere on the path to `at`. Where polygons touch the one farther along wins.
+  std::uint32_t holderAmongAll(std::uint32_t at, glm::vec2 point) const {
+    constexpr float kOnBorder = 1e-3f;
+    while (at != 0 && !navmesh::contains(navGraph_, tree_[at].polygon, point, kOnBorder)) {
+      at = tree_[at].parent;
+    }
+    return at;
+  }
+
+  /// Tree edge of the latest node, which lies at `plan` in the polygon of tree node `holder`.
+  void joinTree(glm::vec2 plan, NodeId prev, std::uint32_t holder, std::uint32_t prevTree) {
     // A cut can lie before the polygon of its prevPG, where that is wide and the way leaves it far from
     // its centroid: then the corridor runs the other way.
-    const bool back = holder < prev;
-    const std::uint32_t deep = back ? prev : holder;
-    const std::uint32_t shallow = back ? holder : prev;
+    const bool back = holder < prevTree;
+    const std::uint32_t deep = back ? prevTree : holder;
+    const std::uint32_t shallow = back ? holder : prevTree;
     const std::uint32_t polygonStart = static_cast<std::uint32_t>(out_.corridorPolygons.size());
     corridor_.clear();
     for (std::uint32_t at = deep;; at = tree_[at].parent) {
@@ -181,21 +181,22 @@ class Assembly {
       std::reverse(corridor_.begin(), corridor_.end());
       std::reverse(out_.corridorPolygons.begin() + polygonStart, out_.corridorPolygons.end());
     }
-    addEdge(id, node.plan, node.prev, to.plan, EdgeKind::kTree, polygonStart);
+    const NodeId from{static_cast<std::uint32_t>(out_.nodes.size() - 1)};
+    addEdge(from, plan, prev, out_.nodes[index(prev)].plan, EdgeKind::kTree, polygonStart);
   }
 
   void joinLoopsOf(std::uint32_t from) {
     const PolygonId polygon = out_.nodes[from].polygon;
     const std::uint32_t begin = navGraph_.portalStart[index(polygon)];
     const std::uint32_t end = navGraph_.portalStart[index(polygon) + 1];
+    const PolygonId* portalTo = navGraph_.portalTo.data();
     for (std::uint32_t portal = begin; portal < end; ++portal) {
-      const PolygonId neighbour = navGraph_.portalTo[portal];
+      const PolygonId neighbour = portalTo[portal];
       const std::uint32_t tree = search_.treeIndexOf(neighbour);
       if (tree == kNone) continue;
       const std::uint32_t to = nodeOf_[tree];
-      if (to == kNone || to >= from || out_.nodes[from].prev == NodeId{to}) continue;
-      const PolygonId* sameRow = navGraph_.portalTo.data();
-      if (std::find(sameRow + begin, sameRow + portal, neighbour) != sameRow + portal) continue;
+      if (to >= from || out_.nodes[from].prev == NodeId{to}) continue;  // kNone is larger than any
+      if (std::find(portalTo + begin, portalTo + portal, neighbour) != portalTo + portal) continue;
       const std::uint32_t polygonStart = static_cast<std::uint32_t>(out_.corridorPolygons.size());
       out_.corridorPolygons.push_back(polygon);
       out_.corridorPolygons.push_back(neighbour);
@@ -210,22 +211,46 @@ class Assembly {
   void addEdge(NodeId from, glm::vec2 start, NodeId to, glm::vec2 goal, EdgeKind kind,
                std::uint32_t polygonStart) {
     const std::uint32_t pathStart = static_cast<std::uint32_t>(out_.pathPoints.size());
+    const float length = corridor_.size() == 1 ? addPathThroughOne(start, goal, corridor_.front())
+                                               : addPath(start, goal);
+    Edge& edge = out_.edges.emplace_back();
+    edge.from = from;
+    edge.to = to;
+    edge.kind = kind;
+    edge.length = length;
+    edge.polygonStart = polygonStart;
+    edge.polygonCount = static_cast<std::uint32_t>(out_.corridorPolygons.size()) - polygonStart;
+    edge.pathStart = pathStart;
+    edge.pathCount = static_cast<std::uint32_t>(out_.pathPoints.size()) - pathStart;
+  }
+
+  float addPath(glm::vec2 start, glm::vec2 goal) {
     navmesh::pullString(start, goal, corridor_, path_);
     out_.pathPoints.insert(out_.pathPoints.end(), path_.begin(), path_.end());
-    out_.edges.push_back(
-        {.from = from,
-         .to = to,
-         .kind = kind,
-         .length = navmesh::lengthOf(path_),
-         .polygonStart = polygonStart,
-         .polygonCount = static_cast<std::uint32_t>(out_.corridorPolygons.size()) - polygonStart,
-         .pathStart = pathStart,
-         .pathCount = static_cast<std::uint32_t>(path_.size())});
+    return navmesh::lengthOf(path_);
+  }
+
+  /// The same through a single portal, which most edges have: straight, or around one of its ends.
+  float addPathThroughOne(glm::vec2 start, glm::vec2 goal, const Portal& portal) {
+    out_.pathPoints.push_back(start);
+    const bool aroundLeft = exactTurn(start, portal.left, goal) > 0.0;
+    const bool aroundRight = exactTurn(start, portal.right, goal) < 0.0;
+    float length;
+    if (aroundLeft || aroundRight) {
+      const glm::vec2 bend = aroundLeft ? portal.left : portal.right;
+      out_.pathPoints.push_back(bend);
+      length = glm::distance(start, bend) + glm::distance(bend, goal);
+    } else {
+      length = glm::distance(start, goal);
+      if (start == goal) return length;
+    }
+    out_.pathPoints.push_back(goal);
+    return length;
   }
 
   const NavGraph& navGraph_;
-  const HorizonSearch& search_;
-  const std::vector<SearchNode>& tree_;
+  HorizonSearch& search_;
+  std::span<const SearchNode> tree_;
   PredictionGraph& out_;
   std::vector<std::uint32_t>& nodeOf_;
   std::vector<std::uint32_t>& treeOf_;
@@ -286,7 +311,7 @@ const PredictionGraph& predict(const NavGraph& navGraph, const navmesh::Location
   }
 
   scratch.search_.run(source, graph.horizon, graph.corners);
-  const std::vector<SearchNode>& tree = scratch.search_.tree();
+  const std::span<const SearchNode> tree = scratch.search_.tree();
   scratch.nodeOf_.resize(tree.size());
   scratch.treeOf_.clear();
   Assembly assembly(navGraph, scratch.search_, graph, scratch.nodeOf_, scratch.treeOf_,

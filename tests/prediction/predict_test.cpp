@@ -53,7 +53,7 @@ void onRandomMeshes(Check check, int seeds = 12, int starts = 6) {
 }
 
 /// Tree indices of the nodes from the source to `at`.
-std::vector<std::uint32_t> ancestry(const std::vector<SearchNode>& tree, std::uint32_t at) {
+std::vector<std::uint32_t> ancestry(std::span<const SearchNode> tree, std::uint32_t at) {
   std::vector<std::uint32_t> chain{at};
   while (chain.back() != 0) chain.push_back(tree[chain.back()].parent);
   std::reverse(chain.begin(), chain.end());
@@ -95,7 +95,7 @@ TEST(Predict, MeasuresEveryDistanceAlongTheTautPathThroughTheCorridor) {
     search.run(start, horizon, corners);
     for (std::uint32_t at = 1; at < search.tree().size(); ++at) {
       const glm::vec2 goal = graph.centroid[index(search.tree()[at].polygon)];
-      const Corner& before = corners[search.cornerBefore(corners, at, goal)];
+      const Corner& before = corners[search.cornerBefore(at, goal)];
       std::vector<navmesh::Portal> corridor;
       for (const std::uint32_t step : ancestry(search.tree(), at)) {
         if (step != 0) corridor.push_back(graph.portals[search.tree()[step].portal]);
