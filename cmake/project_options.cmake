@@ -13,3 +13,7 @@ if(FOREWALK_SANITIZE)
     add_compile_options(-fno-sanitize-recover=all)
   endif()
 endif()
+
+if(FOREWALK_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)  # coverage for libFuzzer, in our libraries too
+endif()

@@ -1,0 +1,180 @@
+#!/usr/bin/env bash
+# Sets forewalk up on Debian 12 and runs it: ./forewalk.sh demo | test | test all | bench | help
+#
+# Installs what is missing (as root, or through sudo), builds below build/, runs. Doing it again does only
+# what is left to do. Takes no question; a step that fails is named, with what to look at.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+# What the build needs. `make` is there for machines without ninja; ninja and ccache are used if present.
+PACKAGES=(g++ cmake make
+  librecast-dev libopenmesh-dev libtinygltf-dev libglm-dev nlohmann-json3-dev libexpected-dev
+  libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
+# clang++ compiles the C interface as an engine would, without exceptions and RTTI; only `test all` asks for it.
+PACKAGES_ALL=(clang)
+
+help() {
+  cat <<'TEXT'
+./forewalk.sh demo      walk a bundled building in a 6 x 6 m room; a table here, pictures under out/
+./forewalk.sh test      build and run the tests, optimised (minutes)
+./forewalk.sh test all  the same, then with ASan and UBSan, then the threaded ones with TSan (longer)
+./forewalk.sh bench     build and run the benchmarks
+./forewalk.sh help      this text
+
+Needs Debian 12, root or sudo for packages that are missing, and about 1 GB of disk.
+TEXT
+}
+
+step=0
+steps=0
+begin() {  # begin WHAT: announces the next step
+  step=$((step + 1))
+  what=$1
+  printf '\n[%d/%d] %s\n' "$step" "$steps" "$what"
+}
+
+fail() {  # fail HINT: ends with the step's name and what to look at
+  printf '\nforewalk.sh: step %d of %d failed: %s.\n%s\n' "$step" "$steps" "$what" "$1" >&2
+  exit 1
+}
+
+jobs() { nproc 2>/dev/null || echo 2; }
+
+installed() { [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
+
+install_packages() {  # install_packages PACKAGE...
+  local missing=() name
+  command -v dpkg-query >/dev/null ||
+    fail "There is no dpkg here. On a system other than Debian, install what PACKAGES in forewalk.sh names and run cmake --preset release."
+  for name in "$@"; do installed "$name" || missing+=("$name"); done
+  if [ ${#missing[@]} -eq 0 ]; then
+    echo "all $# packages are there"
+    return
+  fi
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null ||
+      fail "Missing: ${missing[*]}. Run this as root, or install sudo."
+    as_root=(sudo)
+  fi
+  echo "installing ${missing[*]}"
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o Dpkg::Use-Pty=0)
+  "${apt[@]}" update </dev/null ||
+    fail "apt-get update: is there a network, and do the lines in /etc/apt work?"
+  "${apt[@]}" install -y --no-install-recommends "${missing[@]}" </dev/null |
+    awk '/^Need to get/ { print "  " $0 }
+         /^Unpacking/ && ++unpacked % 20 == 0 { print "  unpacked " unpacked " packages" }
+         /^Setting up/ && ++ready % 20 == 0 { print "  set up " ready " packages" }
+         { fflush() }' ||
+    fail "apt-get install ${missing[*]}: see the lines above. This needs Debian 12 (bookworm) or newer."
+}
+
+configure() {  # configure PRESET
+  local arguments=(--preset "$1")
+  # The generator and the compiler cache are chosen once; a build folder keeps its own.
+  if [ ! -f "build/$1/CMakeCache.txt" ]; then
+    if command -v ninja >/dev/null; then arguments+=(-G Ninja); fi
+    if command -v ccache >/dev/null; then
+      arguments+=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    fi
+  fi
+  cmake "${arguments[@]}" >"$(log "$1-configure")" 2>&1 || {
+    tail -n 30 "$(log "$1-configure")" >&2
+    fail "The whole output is in $(log "$1-configure"). If this folder was moved or a compiler replaced, remove build/$1 and run again."
+  }
+  echo "build/$1 is configured"
+}
+
+build() {  # build PRESET TARGET...
+  local preset=$1
+  shift
+  cmake --build "build/$preset" --parallel "$(jobs)" --target "$@" ||
+    fail "The compiler's message is above. If memory ran out, run again: what is built stays built."
+}
+
+run_tests() {  # run_tests PRESET
+  ctest --preset "$1" --parallel "$(jobs)" ||
+    fail "The failed tests are listed above. One of them alone: ctest --preset $1 -R NAME"
+}
+
+log() {
+  mkdir -p build/log
+  echo "build/log/$1.log"
+}
+
+demo() {
+  steps=4
+  begin "installing what is missing"
+  install_packages "${PACKAGES[@]}"
+  begin "configuring"
+  configure release
+  begin "building the forewalk command"
+  build release forewalk
+  begin "running the demo"
+  build/release/service/forewalk demo --out out "$@" || fail "The line above says why."
+  echo
+  echo "Pictures, plots, dumps and traces are under $PWD/out"
+}
+
+test_preset() {  # test_preset PRESET DESCRIPTION
+  begin "configuring $1 ($2)"
+  configure "$1"
+  begin "building $1"
+  build "$1" all
+  begin "testing $1"
+  run_tests "$1"
+}
+
+run_all_tests() {
+  case "${1:-}" in
+    "") steps=4 ;;
+    all) steps=10 ;;
+    *)
+      help >&2
+      exit 2
+      ;;
+  esac
+  begin "installing what is missing"
+  if [ "${1:-}" = all ]; then
+    install_packages "${PACKAGES[@]}" "${PACKAGES_ALL[@]}"
+  else
+    install_packages "${PACKAGES[@]}"
+  fi
+  test_preset release "optimised"
+  if [ "${1:-}" = all ]; then
+    test_preset dev "Debug, ASan, UBSan"
+    test_preset tsan "Debug, ThreadSanitizer, the tests that start threads"
+  fi
+  printf '\nAll tests passed.\n'
+}
+
+bench() {
+  local programs
+  mapfile -t programs < <(sed -n 's/^forewalk_bench(\([a-z0-9_]*\).*/\1/p' bench/CMakeLists.txt)
+  steps=$((3 + ${#programs[@]}))
+  begin "installing what is missing"
+  install_packages "${PACKAGES[@]}"
+  begin "configuring"
+  configure release
+  begin "building ${programs[*]}"
+  build release "${programs[@]}"
+  local program
+  for program in "${programs[@]}"; do
+    begin "running $program"
+    "build/release/bench/$program" "$@" || fail "build/release/bench/$program ended with an error, see above."
+  done
+}
+
+verb=${1:-help}
+[ $# -gt 0 ] && shift
+case "$verb" in
+  demo) demo "$@" ;;
+  test) run_all_tests "$@" ;;
+  bench) bench "$@" ;;
+  help | -h | --help) help ;;
+  *)
+    printf 'forewalk.sh: there is no "%s".\n\n' "$verb" >&2
+    help >&2
+    exit 2
+    ;;
+esac
