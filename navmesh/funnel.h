@@ -23,6 +23,10 @@ namespace forewalk::navmesh {
 void pullString(glm::vec2 start, glm::vec2 goal, std::span<const Portal> corridor,
                 std::vector<glm::vec2>& path);
 
+/// The same for a corridor given as a row of half-portals of `graph`, in walking order.
+void pullString(const NavGraph& graph, glm::vec2 start, glm::vec2 goal,
+                std::span<const std::uint32_t> corridor, std::vector<glm::vec2>& path);
+
 /// Lifts a taut path onto the surface: `path` (from pullString through `corridor`, a row of half-portals
 /// of `graph`, walking order, starting in `first`) with heights, and with a point wherever the ground
 /// under it bends by more than `tolerance` metres from the straight line between its neighbours (where

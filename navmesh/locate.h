@@ -18,6 +18,7 @@ struct Location {
   bool snapped = false;  ///< the query lay beside the navmesh and was moved to its nearest point
 
   glm::vec3 position() const { return {plan.x, height, -plan.y}; }
+  bool operator==(const Location&) const = default;
 };
 
 /// How far a query may be moved. The heights keep the floor above and the floor below apart: with

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "navmesh/error.h"
+#include "navmesh/plan.h"
 #include "navmesh/polygon_mesh.h"
 
 namespace forewalk::navmesh {
@@ -77,8 +78,9 @@ struct NavGraph {
 /// are sorted by (edge, position along it), so that the same mesh gives the same graph.
 ///
 /// Fails when an index is out of range, a coordinate is not finite, a ring has fewer than 3 corners,
-/// is not convex or not counter-clockwise (tolerance 1 mm), an edge has more than two polygons
-/// (kDataDamaged, naming polygon and value), or the mesh has no polygon (kSceneEmpty).
+/// is not convex or not counter-clockwise (tolerance 1 mm), an edge has more than two polygons or two on
+/// the same side (kDataDamaged, naming polygon and value), the mesh has no polygon (kSceneEmpty), or
+/// there are more than 2^28 ways through polygons from portal to portal (kTooLarge).
 ///
 /// Costs O(n log n) of all corners; allocates the graph.
 [[nodiscard]] tl::expected<NavGraph, Error> makeNavGraph(const PolygonMesh& mesh);
@@ -87,8 +89,21 @@ struct NavGraph {
 /// outside. O(height triangles of the polygon).
 float heightAt(const NavGraph& graph, PolygonId polygon, glm::vec2 plan);
 
-/// Whether `plan` lies in `polygon`, its border included, widened by `tolerance` metres.
-bool contains(const NavGraph& graph, PolygonId polygon, glm::vec2 plan, float tolerance = 0.0f);
+/// Whether `plan` lies in `polygon`, its border included. No point falls between two polygons that share
+/// an edge: seen from the point, the edge's two sides give opposite numbers to the last bit.
+inline bool contains(const NavGraph& graph, PolygonId polygon, glm::vec2 plan) {
+  const std::span<const glm::vec2> ring = graph.ringOf(polygon);
+  glm::vec2 a = ring.back() - plan;
+  for (const glm::vec2 corner : ring) {
+    const glm::vec2 b = corner - plan;
+    if (!(cross(a, b) >= 0.0f)) return false;
+    a = b;
+  }
+  return true;
+}
+
+/// The same, widened by `tolerance` metres.
+bool contains(const NavGraph& graph, PolygonId polygon, glm::vec2 plan, float tolerance);
 
 /// Area on the plan, m^2.
 float areaOf(const NavGraph& graph, PolygonId polygon);

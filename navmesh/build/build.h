@@ -1,21 +1,23 @@
 // Builds a navmesh from scene triangles with Recast: voxels, regions, contours, convex polygons.
 //
-// Solo, or in tiles that are built independently. `navmesh` starts no threads: tiles are handed to the
-// caller's `ForEach`, and the result has the same bytes in whatever order and on however many threads
-// it runs them.
+// Solo, or in tiles that are built independently. `navmesh` starts no threads: tiles are handed to
+// the caller's `ForEach`, and the result has the same bytes in whatever order and on however many
+// threads it runs them.
 #pragma once
 
 #include <cstddef>
 #include <functional>
 #include <tl/expected.hpp>
+#include <vector>
 
+#include "navmesh/build/detour_tiles.h"
 #include "navmesh/build/navmesh.h"
 #include "navmesh/build/scene.h"
 
 namespace forewalk::navmesh {
 
-/// Calls `work(i)` once for each i in [0, count), in any order, on any threads, and returns when all are
-/// done. `service` brings one that uses all cores; the default runs them in turn.
+/// Calls `work(i)` once for each i in [0, count), in any order, on any threads, and returns when
+/// all are done. `service` brings one that uses all cores; the default runs them in turn.
 using ForEach =
     std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)>;
 
@@ -27,12 +29,27 @@ struct BuildRun {
   Progress progress;  ///< empty: silent
 };
 
-/// Fails when a setting is out of range (names it and its range), the scene is empty, the grid would
-/// exceed Recast's limits (names cell and tile), or nothing is walkable: then the message names the
-/// setting that closed it (slope, height, radius or region size, found by looking at which build step
-/// lost the last walkable cell) with the value that would open it where that can be measured.
+/// Fails when a setting is out of range (names it and its range), the scene is empty or names a
+/// vertex it does not have, the grid would exceed Recast's limits (names cell and tile), or nothing
+/// is walkable: then the message names the setting that closed it (slope, height, climb, radius or
+/// region size, found by looking at which build step lost the last walkable cell) with the value
+/// that would open it where that can be measured.
 [[nodiscard]] tl::expected<NavMesh, Error> buildNavMesh(const Scene& scene,
                                                         const BuildSettings& settings = {},
                                                         const BuildRun& run = {});
+
+/// The tiles that buildNavMesh makes its polygons from, as dtNavMesh::addTile takes them: row by
+/// row (header.y, then header.x), those with nothing walkable left out; a solo build is one tile.
+/// All share one grid, so that neighbours agree on their common border.
+///
+/// polygonsFromTiles numbers the polygons of these tiles by a running index over the tiles in
+/// order, within a tile in Detour's order: none is left out. Fails as buildNavMesh does.
+[[nodiscard]] tl::expected<std::vector<DetourTile>, Error> buildTiles(
+    const Scene& scene, const BuildSettings& settings = {}, const BuildRun& run = {});
+
+/// Whether buildNavMesh could work with these settings at all: every number finite and in its
+/// range, and walker and voxels in proportion. Names the first setting that is not
+/// (kSettingOutOfRange).
+[[nodiscard]] tl::expected<void, Error> checkSettings(const BuildSettings& settings);
 
 }  // namespace forewalk::navmesh

@@ -1,1 +1,13 @@
 # Tests of navmesh/, one forewalk_test() a file.
+forewalk_test(navmesh/scene_test.cpp LIBS forewalk::navmesh_build)
+forewalk_test(navmesh/scene_gltf_test.cpp LIBS forewalk::navmesh_build nlohmann_json::nlohmann_json)
+forewalk_test(navmesh/navmesh_test.cpp LIBS forewalk::navmesh_build)
+forewalk_test(navmesh/fwmesh_test.cpp LIBS forewalk::navmesh_build)
+forewalk_test(navmesh/navmesh_dump_test.cpp LIBS forewalk::navmesh_build nlohmann_json::nlohmann_json)
+forewalk_test(navmesh/nav_graph_test.cpp LIBS forewalk::navmesh)
+forewalk_test(navmesh/funnel_test.cpp LIBS forewalk::navmesh)
+forewalk_test(navmesh/build_test.cpp LIBS forewalk::navmesh_build Threads::Threads)
+forewalk_test(navmesh/locate_test.cpp LIBS forewalk::navmesh)
+forewalk_test(navmesh/corridor_test.cpp LIBS forewalk::navmesh)
+forewalk_test(navmesh/detour_tiles_test.cpp LIBS forewalk::navmesh_build Recast::Detour)
+forewalk_test(navmesh/navmesh_readme_test.cpp LIBS forewalk::navmesh)

@@ -53,7 +53,7 @@ class BlockScene {
  private:
   BlockScene& quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) {
     const auto first = static_cast<std::uint32_t>(scene_.vertices.size());
-    scene_.vertices.insert(scene_.vertices.end(), {a, b, c, d});
+    for (const glm::vec3 corner : {a, b, c, d}) scene_.vertices.push_back(corner);
     scene_.triangles.push_back({first, first + 1, first + 2});
     scene_.triangles.push_back({first, first + 2, first + 3});
     return *this;
@@ -62,8 +62,8 @@ class BlockScene {
   navmesh::Scene scene_;
 };
 
-/// Two rooms of 6 m x 4 m beside each other along x, a wall of 0.2 m between them with a door `door`
-/// metres wide in its middle; walls 2.5 m high.
+/// Two rooms of 6 m x 4 m beside each other along x, a wall of 0.2 m between them with a door
+/// `door` metres wide in its middle; walls 2.5 m high.
 inline navmesh::Scene twoRooms(float door) {
   return BlockScene("two rooms")
       .floor({0.0f, 0.0f, 12.2f, 4.0f})
@@ -72,8 +72,8 @@ inline navmesh::Scene twoRooms(float door) {
       .scene();
 }
 
-/// A ground floor of 14 m x 10 m, over its far half (x >= 7) an upper floor at 3 m, and stairs of 12
-/// steps up to it along z 4 to 6, from x = 1 to x = 7.
+/// A ground floor of 14 m x 10 m, over its far half (x >= 7) an upper floor at 3 m, and stairs of
+/// 12 steps up to it along z 4 to 6, from x = 1 to x = 7.
 inline navmesh::Scene twoStoreys() {
   return BlockScene("two storeys")
       .floor({0.0f, 0.0f, 14.0f, 10.0f})
@@ -82,14 +82,14 @@ inline navmesh::Scene twoStoreys() {
       .scene();
 }
 
-/// Three floors of 6 m x 6 m that touch nowhere, 2 m apart, the third one 1 m higher, and a flowerbed of
-/// 0.4 m x 0.4 m too small to count.
+/// Three floors of 6 m x 6 m that touch nowhere, 2 m apart, the third one 1 m higher, and a
+/// platform of 1.2 m x 1.2 m that is too small to count.
 inline navmesh::Scene islands() {
   return BlockScene("islands")
       .floor({0.0f, 0.0f, 6.0f, 6.0f})
       .floor({8.0f, 0.0f, 14.0f, 6.0f})
       .floor({16.0f, 0.0f, 22.0f, 6.0f}, 1.0f)
-      .floor({0.0f, 8.0f, 1.0f, 9.0f})
+      .floor({0.0f, 8.0f, 1.2f, 9.2f})
       .scene();
 }
 
