@@ -1,0 +1,78 @@
+#include "rdw/reset.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forewalk::rdw {
+
+std::string_view sentenceOf(ResetInstruction instruction) {
+  switch (instruction) {
+    case ResetInstruction::kNone:
+      return "";
+    case ResetInstruction::kTurnAround:
+      return "Stop, and turn around on the spot until the sign goes away.";
+    case ResetInstruction::kKeepTurning:
+      return "Keep turning the same way until the sign goes away.";
+    case ResetInstruction::kWalkBack:
+      return "You are outside the tracked space: walk back into it.";
+  }
+  return "";
+}
+
+double Reset::stoppingDistance(double speed) const {
+  return settings_.clearance + speed * settings_.reactionTime +
+         speed * speed / (2.0 * settings_.deceleration);
+}
+
+bool Reset::mustStop(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space,
+                     Step& step) const {
+  if (!space.contains(physical)) {
+    step.flags |= kOutsideSpace;
+    const glm::dvec2 inward = space.nearestBorder(physical).inward;
+    return motion.walking && glm::dot(motion.walkingDirection, inward) <= 0.0;
+  }
+  if (!motion.walking) return false;
+  const double free = space.distanceAlong(physical, motion.walkingDirection);
+  // In the next frame it would be too late.
+  const double stop = stoppingDistance(motion.speed) + motion.speed * motion.dt;
+  if (free <= stop + settings_.warningTime * motion.speed) step.flags |= kBorderNear;
+  return free <= stop;
+}
+
+Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space) {
+  Step step;
+  const bool stop = mustStop(motion, physical, space, step);
+  if (!state_.turning) {
+    state_ = ResetState{};
+    if (stop && motion.usable()) {
+      // The turn of this very frame belongs to the walk; the reset counts from the next one.
+      state_.turning = true;
+      state_.remaining = kPi;
+      state_.instruction = ResetInstruction::kTurnAround;
+      step.began = true;
+      ++count_;
+    } else if ((step.flags & kOutsideSpace) != 0) {
+      state_.instruction = ResetInstruction::kWalkBack;
+    }
+    return step;
+  }
+  if (!motion.usable()) return step;  // heads that jumped or times that stood still turn nothing
+
+  const double before = state_.progress;
+  const double after = std::clamp(before + motion.turn, -kPi, kPi);
+  step.yaw = after - before;
+  state_.progress = after;
+  state_.remaining = kPi - std::abs(after);
+  // Five degrees: a head that trembles has not begun to turn.
+  if (std::abs(after) > 0.087) {
+    state_.direction = after > 0.0 ? 1 : -1;
+    state_.instruction = ResetInstruction::kKeepTurning;
+  }
+  if (std::abs(after) >= kPi) {
+    state_ = ResetState{};
+    step.ended = true;
+  }
+  return step;
+}
+
+}  // namespace forewalk::rdw

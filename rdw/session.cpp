@@ -1,0 +1,168 @@
+#include "rdw/session.h"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+namespace forewalk::rdw {
+
+namespace {
+
+// Somebody put at a floor stands on it, or within a step of it.
+constexpr navmesh::SnapLimits kFloorSnap{0.5f, 0.5f, 0.5f};
+
+}  // namespace
+
+Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings settings,
+                 std::unique_ptr<Controller> controller)
+    : world_(std::move(world)),
+      settings_(std::move(settings)),
+      controller_(std::move(controller)),
+      scratch_(std::make_unique<prediction::Scratch>(world_->graph, settings_.prediction)),
+      tracker_(settings_.motion),
+      reset_(settings_.reset) {}
+
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+Session::~Session() = default;
+
+tl::expected<Session, Error> Session::make(std::shared_ptr<const navmesh::World> world,
+                                           SessionSettings settings) {
+  assert(world != nullptr);
+  if (auto ok = validate(settings.limits); !ok) return tl::unexpected(ok.error());
+  auto controller = makeController(settings.controller);
+  if (!controller) return tl::unexpected(controller.error());
+  const auto outOfRange = [](std::string message) {
+    return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
+  };
+  if (!(settings.horizon > 0.0f && settings.horizon <= 1000.0f)) {
+    return outOfRange(
+        fmt::format("session: a horizon of {} m cannot work: give more than 0 and at most 1000 m.",
+                    settings.horizon));
+  }
+  const MotionSettings& motion = settings.motion;
+  if (!(motion.timeConstant > 0.0 && motion.walkingStops >= 0.0 &&
+        motion.walkingStarts >= motion.walkingStops && motion.jumpDistance > 0.0 &&
+        motion.longestFrame > 0.0)) {
+    return outOfRange(
+        fmt::format("session: motion settings (time constant {} s, walking from {} to {} m/s, jump "
+                    "{} m, longest frame {} s) must be "
+                    "positive, and walking must stop below where it starts.",
+                    motion.timeConstant, motion.walkingStops, motion.walkingStarts,
+                    motion.jumpDistance, motion.longestFrame));
+  }
+  const ResetSettings& reset = settings.reset;
+  if (!(reset.reactionTime >= 0.0 && reset.deceleration > 0.0 && reset.clearance >= 0.0 &&
+        reset.warningTime >= 0.0)) {
+    return outOfRange(
+        fmt::format("session: reset settings (reaction {} s, deceleration {} m/s^2, clearance {} "
+                    "m, warning {} s) must not be "
+                    "negative, and the deceleration must be above 0.",
+                    reset.reactionTime, reset.deceleration, reset.clearance, reset.warningTime));
+  }
+  if (settings.prediction.polygons < 1)
+    return outOfRange("session: a limit of 0 predicted polygons cannot work: give 1 or more.");
+
+  const std::optional<VirtualStart> start = settings.start;
+  Session session(std::move(world), std::move(settings), std::move(*controller));
+  if (start && !session.teleport(*start)) {
+    return tl::unexpected(Error{ErrorCode::kPositionOffNavMesh,
+                                fmt::format("session: the start ({}, {}, {}) heading {} rad is not "
+                                            "within {} m of a walkable floor.",
+                                            start->floor.x, start->floor.y, start->floor.z,
+                                            start->heading, kFloorSnap.distance)});
+  }
+  return session;
+}
+
+bool Session::teleport(const VirtualStart& to) {
+  if (!std::isfinite(to.heading)) return false;
+  const auto place = navmesh::locate(world_->graph, world_->locations, to.floor, kFloorSnap);
+  if (!place) return false;
+  location_ = *place;
+  pending_ = PlanarPose{glm::dvec2(place->plan), wrapAngle(static_cast<double>(to.heading))};
+  controller_->restart();
+  return true;
+}
+
+void Session::locate(const HeadPose& physical, double seconds) {
+  result_.flags = kFrameSound;
+  physical_ = cleaned(physical, physical_, result_.flags);
+  result_.motion = tracker_.frame(physical_, seconds);
+  result_.flags |= result_.motion.flags;
+  result_.physical = planarPose(physical_);
+  if (pending_) {
+    redirector_.align(
+        alignment(result_.physical, *pending_, static_cast<double>(location_.height)));
+    pending_.reset();
+  }
+  result_.virtualPlan = redirector_.redirection().toVirtual(result_.physical);
+  placeOnFloor();
+}
+
+void Session::placeOnFloor() {
+  const navmesh::World& world = *world_;
+  std::optional<navmesh::Location> place;
+  const glm::vec2 plan(result_.virtualPlan.position);
+  if (location_.polygon == navmesh::kNoPolygon) {
+    // Nowhere yet: the floor under the head.
+    const Redirection& map = redirector_.redirection();
+    const float head = static_cast<float>(static_cast<double>(physical_.position.y) + map.height);
+    place = navmesh::locate(world.graph, world.locations, navmesh::toSpace(plan, head));
+  } else {
+    place = navmesh::locateFrom(world.graph, world.locations, location_,
+                                navmesh::toSpace(plan, location_.height), settings_.snap);
+  }
+  if (!place) {
+    result_.flags |= kOffNavMesh;
+  } else {
+    location_ = *place;
+    if (place->snapped) result_.flags |= kSnapped;
+    redirector_.setHeight(static_cast<double>(place->height));
+  }
+  result_.location = location_;
+}
+
+void Session::predict() {
+  result_.graph = nullptr;
+  if (!settings_.alwaysPredict && !controller_->wantsPrediction()) return;
+  const prediction::PredictionGraph& graph =
+      prediction::predict(world_->graph, location_, settings_.horizon, *scratch_);
+  if ((graph.flags & prediction::kPolygonLimit) != 0) result_.flags |= kGraphLimit;
+  result_.graph = &graph;
+}
+
+const FrameResult& Session::steer() {
+  const Motion& motion = result_.motion;
+  Reset::Step step;
+  if (settings_.resets) step = reset_.frame(motion, result_.physical.position, settings_.space);
+  result_.flags |= step.flags;
+  result_.gains = Gains{};
+  Applied applied;
+  if (step.began || step.ended || reset_.state().turning) {
+    if (step.began) controller_->restart();
+    if (!step.began) result_.gains.rotation = 2.0f;
+    applied = redirector_.turnWorld(physical_, step.yaw);
+  } else {
+    if (motion.usable()) {
+      result_.gains =
+          controller_->steer({motion, result_.physical, result_.virtualPlan, settings_.space,
+                              settings_.limits, redirector_.redirection(), result_.graph});
+    } else if ((motion.flags & kTimeStoodStill) == 0) {
+      controller_->restart();
+    }
+    applied = redirector_.frame(motion, physical_, result_.gains);
+  }
+  result_.virtualPose = applied.virtualPose;
+  result_.virtualPlan = redirector_.redirection().toVirtual(result_.physical);
+  result_.injectedYaw = applied.injectedYaw;
+  result_.injectedTranslation = applied.injectedTranslation;
+  result_.reset = reset_.state();
+  result_.resetCount = reset_.count();
+  result_.resetBegan = step.began;
+  return result_;
+}
+
+}  // namespace forewalk::rdw

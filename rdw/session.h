@@ -1,0 +1,131 @@
+// One user's walk: what a VR runtime calls once per frame.
+//
+// Pose in, virtual pose and everything about it out. A session owns all that outlives a frame; the
+// world is shared. Sessions may run on any threads, one thread at a time each. No clock, no lock,
+// no allocation in a frame after the first few (buffers of the prediction graph grow to what the
+// world needs).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "navmesh/world.h"
+#include "prediction/predict.h"
+#include "rdw/controller.h"
+#include "rdw/gains.h"
+#include "rdw/motion.h"
+#include "rdw/redirector.h"
+#include "rdw/reset.h"
+#include "rdw/tracked_space.h"
+
+namespace forewalk::rdw {
+
+/// Where the user stands in the virtual world when the walk begins.
+struct VirtualStart {
+  glm::vec3 floor{0.0f};  ///< a point on the walkable floor (feet, not head), world axes, metres
+  float heading = 0.0f;   ///< where the user's first look goes, radians
+};
+
+struct SessionSettings {
+  TrackedSpace space;
+  GainLimits limits;
+  std::string controller = "s2c-predictive";  ///< of controllerNames()
+  float horizon = 10.0f;  ///< of prediction, metres along the virtual path, (0, 1000]
+
+  /// Predict in every frame, even where the controller does not ask (to draw it, to compare costs).
+  bool alwaysPredict = true;
+
+  /// Where the first frame's head is put, looking along `heading`. None: virtual space is physical
+  /// space at first, and the floor is looked for under the head.
+  std::optional<VirtualStart> start;
+
+  /// How far a user may be beside the navmesh or over its edge and still be on it. Seen from the
+  /// feet.
+  navmesh::SnapLimits snap{0.5f, 1.3f, 1.3f};
+
+  prediction::PredictionLimits prediction;
+  MotionSettings motion;
+  ResetSettings reset;
+  bool resets = true;  ///< false: nobody is ever stopped (for looking at controllers alone)
+};
+
+/// One frame's answer. Valid until the session's next frame.
+struct FrameResult {
+  HeadPose virtualPose;                 ///< world axes; what to render from
+  PlanarPose physical;                  ///< the body in the room
+  PlanarPose virtualPlan;               ///< virtualPose on the plan, in doubles
+  Motion motion;                        ///< physical
+  Gains gains;                          ///< as applied; in a reset: rotation 2, the rest neutral
+  double injectedYaw = 0.0;             ///< radians by which the world was turned about the head
+  glm::dvec2 injectedTranslation{0.0};  ///< metres by which the user was pushed, virtual plan
+  ResetState reset;
+  std::uint64_t resetCount = 0;  ///< begun so far
+  bool resetBegan = false;
+  std::uint32_t flags = kFrameSound;  ///< of FrameFlags
+  navmesh::Location location;  ///< the user's feet on the navmesh; kNoPolygon until first found
+  const prediction::PredictionGraph* graph = nullptr;  ///< this frame's; null where none was made
+};
+
+class Session {
+ public:
+  /// Fails (kSettingOutOfRange, kPositionOffNavMesh) when a setting cannot work: an unknown
+  /// controller, limits out of range, a horizon outside (0, 1000] m, or a start more than
+  /// snap.distance beside the navmesh.
+  static tl::expected<Session, Error> make(std::shared_ptr<const navmesh::World> world,
+                                           SessionSettings settings);
+
+  Session(Session&&) noexcept;
+  Session& operator=(Session&&) noexcept;
+  ~Session();
+
+  /// One frame: the tracked head (physical space, y = 0 is the floor) at a time in seconds.
+  /// Whatever is passed, the session stays usable; see FrameFlags.
+  ///
+  /// Order: motion; virtual pose under the map so far; place on the navmesh; prediction; reset
+  /// check; gains; their application about the head. The virtual head is as high above the virtual
+  /// floor as the physical head above y = 0: on virtual stairs the user rises with the surface.
+  const FrameResult& frame(const HeadPose& physical, double seconds) {
+    locate(physical, seconds);
+    predict();
+    steer();
+    return result_;
+  }
+
+  /// The same in three steps, for callers who time them: call all three, in this order, every
+  /// frame.
+  void locate(const HeadPose& physical, double seconds);
+  void predict();
+  const FrameResult& steer();
+
+  const FrameResult& result() const { return result_; }
+  const Redirection& redirection() const { return redirector_.redirection(); }
+  const SessionSettings& settings() const { return settings_; }
+  const navmesh::World& world() const { return *world_; }
+  const Controller& controller() const { return *controller_; }
+
+  /// Puts the user's next frame at another virtual place, looking along its heading (a teleport, a
+  /// lift). False, and nothing changes, where it is off the navmesh.
+  bool teleport(const VirtualStart& to);
+
+ private:
+  Session(std::shared_ptr<const navmesh::World> world, SessionSettings settings,
+          std::unique_ptr<Controller> controller);
+  void placeOnFloor();
+
+  std::shared_ptr<const navmesh::World> world_;
+  SessionSettings settings_;
+  std::unique_ptr<Controller> controller_;
+  std::unique_ptr<prediction::Scratch> scratch_;
+  MotionTracker tracker_;
+  Redirector redirector_;
+  Reset reset_;
+  HeadPose physical_;                  ///< the last sound one
+  std::optional<PlanarPose> pending_;  ///< virtual pose that the next frame's head is put at
+  navmesh::Location location_;
+  FrameResult result_;
+};
+
+}  // namespace forewalk::rdw

@@ -1,0 +1,73 @@
+// `forewalk.simulation/1`: a walking simulation as a JSON file.
+//
+//   {
+//     "format": "forewalk.simulation/1",
+//     "scene": "office.obj",
+//     "import": {"metres_per_unit": 1, "up": "y"},
+//     "build": {"radius_m": 0.25, "slope_deg": 45},
+//     "space": {"rectangle": [6, 6]},
+//     "limits": "steinicke",
+//     "controller": "s2c-predictive",
+//     "horizon_m": 10, "rate_hz": 90, "seed": 1, "predict_always": true,
+//     "resets": true,
+//     "reset": {"reaction_s": 0.3, "deceleration_m_per_s2": 3, "clearance_m": 0.2, "warning_s": 1},
+//     "stop": {"virtual_m": 1000, "seconds": 3600},
+//     "user": {"kind": "wander", "speed_m_per_s": 1, "turn_rate_deg_per_s": 90},
+//     "start": {"position": [0, 0, 0], "heading_deg": 0},
+//     "physical_start": {"position": [0, 0], "heading_deg": 0}
+//   }
+//
+// Everything but `format` and `user.kind` has a default.
+// - scene: a scene or .fwmesh; without one, an open plane.
+// - build: radius_m, height_m, climb_m, slope_deg, cell_m, cell_height_m, region_min_m2,
+//   region_merge_m2, edge_max_m, edge_error_m, detail_sample_m, detail_error_m, corners_max,
+//   partition, tile_m (navmesh/build/settings.h).
+// - space: as in forewalk.space/1, or the name of a file with a tracked space.
+// - limits: the name of a preset, or an object with preset, translation_min, translation_max,
+//   rotation_min, rotation_max, curvature_max_per_m, bending_min, bending_max.
+// - user, by kind:
+//     waypoints  "waypoints": [[x, y, z], ...], "loop": false
+//     wander     "goal_distance_min_m": 3
+//     legs       "leg_min_m": 2, "leg_max_m": 8, "turn_deg": 90, "turn": "either_side" or "uniform"
+//     recorded   "walks": "walks.csv", "walker": "u0" (without: the first)
+//   and of all: speed_m_per_s, turn_rate_deg_per_s, stop_angle_deg, reaction_s,
+//   acceleration_m_per_s2, deceleration_m_per_s2, pause_min_s, pause_max_s, look_amplitude_deg,
+//   look_period_s, bob_m, sway_m, eye_height_m, corner_margin_m (rdw/walker.h).
+// Positions are world axes, metres; degrees only where a name says so.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "navmesh/build/scene.h"
+#include "navmesh/build/settings.h"
+#include "navmesh/error.h"
+#include "rdw/simulation.h"
+
+namespace forewalk::rdw {
+
+/// What the file says. The files it names are for the caller to read: nothing here touches the
+/// disk.
+struct SimulationFile {
+  std::string scene;  ///< scene or .fwmesh; empty: an open plane
+  navmesh::ImportSettings import;
+  navmesh::BuildSettings build;
+  std::string
+      space;  ///< tracked space file to read into simulation.session.space; empty: it is set
+  std::string walks;   ///< file whose walk goes into the Recorded plan; empty: none
+  std::string walker;  ///< which walk of it; empty: the first
+  SimulationConfig simulation;
+};
+
+/// Parses the bytes of such a file; `name` stands for it in messages.
+///
+/// Fails when it is not JSON (kDataDamaged, with the line), not this format (kFormatUnknown,
+/// kFormatUnsupported), has a key that is not known here (kDataDamaged, with the nearest known
+/// one), a value of the wrong kind (kDataDamaged) or outside its range (kSettingOutOfRange). Costs
+/// O(size).
+[[nodiscard]] tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> bytes,
+                                                                  const std::string& name);
+
+}  // namespace forewalk::rdw

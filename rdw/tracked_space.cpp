@@ -1,0 +1,556 @@
+#include "rdw/tracked_space.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <locale>
+#include <nlohmann/json.hpp>
+#include <queue>
+#include <sstream>
+#include <string>
+
+#include "rdw/pose.h"
+
+namespace forewalk::rdw {
+
+namespace {
+
+using Ring = std::vector<glm::dvec2>;
+
+constexpr double kFurthestCorner = 10000.0;  // metres
+constexpr double kSmallestArea = 0.01;       // m^2
+constexpr std::size_t kMostCorners = 4096;
+constexpr double kOnBorder = 1e-9;       // metres
+constexpr double kPolePrecision = 1e-3;  // metres
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+double dot(glm::dvec2 a, glm::dvec2 b) { return a.x * b.x + a.y * b.y; }
+double lengthOf(glm::dvec2 v) { return std::sqrt(dot(v, v)); }
+
+tl::unexpected<Error> refused(ErrorCode code, std::string message) {
+  return tl::unexpected(Error{code, std::move(message)});
+}
+
+std::string nameOf(std::size_t ring) {
+  return ring == 0 ? std::string("its border") : fmt::format("hole {}", ring - 1);
+}
+
+double signedArea(std::span<const glm::dvec2> ring) {
+  double twice = 0.0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    twice += cross(ring[i] - ring[0], ring[(i + 1) % ring.size()] - ring[0]);
+  }
+  return 0.5 * twice;
+}
+
+bool insideRing(std::span<const glm::dvec2> ring, glm::dvec2 p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+    const glm::dvec2 a = ring[i];
+    const glm::dvec2 b = ring[j];
+    if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x)
+      inside = !inside;
+  }
+  return inside;
+}
+
+glm::dvec2 nearestOnSegment(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p) {
+  const glm::dvec2 ab = b - a;
+  const double length2 = dot(ab, ab);
+  const double t = length2 > 0.0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
+  return a + t * ab;
+}
+
+int sideOf(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+  const double twice = cross(b - a, c - a);
+  return twice > 0.0 ? 1 : twice < 0.0 ? -1 : 0;
+}
+
+bool within(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {  // c collinear with a, b
+  return std::min(a.x, b.x) <= c.x && c.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= c.y &&
+         c.y <= std::max(a.y, b.y);
+}
+
+/// Whether closed segments meet, touching included.
+bool meet(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, glm::dvec2 d) {
+  const int c1 = sideOf(a, b, c);
+  const int d1 = sideOf(a, b, d);
+  const int a1 = sideOf(c, d, a);
+  const int b1 = sideOf(c, d, b);
+  if (c1 != d1 && a1 != b1) return true;
+  return (c1 == 0 && within(a, b, c)) || (d1 == 0 && within(a, b, d)) ||
+         (a1 == 0 && within(c, d, a)) || (b1 == 0 && within(c, d, b));
+}
+
+tl::expected<Ring, Error> soundRing(std::span<const glm::dvec2> given, std::size_t number) {
+  Ring ring;
+  ring.reserve(given.size());
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const glm::dvec2 p = given[i];
+    if (!(std::abs(p.x) <= kFurthestCorner && std::abs(p.y) <= kFurthestCorner)) {
+      return refused(
+          ErrorCode::kDataDamaged,
+          fmt::format(
+              "tracked space: {}, corner {} is ({}, {}) on the plan: give finite metres within "
+              "10 km of the origin.",
+              nameOf(number), i, p.x, p.y));
+    }
+    if (ring.empty() || ring.back() != p) ring.push_back(p);
+  }
+  while (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
+  if (ring.size() < 3) {
+    return refused(ErrorCode::kDataDamaged,
+                   fmt::format("tracked space: {} has {} distinct corners, 3 are needed.",
+                               nameOf(number), ring.size()));
+  }
+  const double area = signedArea(ring);
+  if (std::abs(area) < kSmallestArea) {
+    return refused(
+        ErrorCode::kDataDamaged,
+        fmt::format(
+            "tracked space: {} encloses {} m^2, at least {} m^2 are needed. Are the corners in "
+            "metres, and in order along the border?",
+            nameOf(number), std::abs(area), kSmallestArea));
+  }
+  const bool border = number == 0;
+  if ((area > 0.0) != border) std::reverse(ring.begin(), ring.end());
+  return ring;
+}
+
+tl::expected<void, Error> checkCrossings(const std::vector<Ring>& rings) {
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    for (std::size_t s = r; s < rings.size(); ++s) {
+      const Ring& a = rings[r];
+      const Ring& b = rings[s];
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        const glm::dvec2 a0 = a[i];
+        const glm::dvec2 a1 = a[(i + 1) % a.size()];
+        for (std::size_t j = r == s ? i + 1 : 0; j < b.size(); ++j) {
+          const glm::dvec2 b0 = b[j];
+          const glm::dvec2 b1 = b[(j + 1) % b.size()];
+          bool bad;
+          if (r == s && (j == i + 1 || (i == 0 && j == a.size() - 1))) {
+            // Neighbours share a corner; they must not fold back onto each other.
+            const glm::dvec2 in = j == i + 1 ? a1 - a0 : b1 - b0;
+            const glm::dvec2 out = j == i + 1 ? b1 - b0 : a1 - a0;
+            bad = cross(in, out) == 0.0 && dot(in, out) < 0.0;
+          } else {
+            bad = meet(a0, a1, b0, b1);
+          }
+          if (bad) {
+            return refused(
+                ErrorCode::kDataDamaged,
+                fmt::format("tracked space: {} from ({}, {}) to ({}, {}) meets {} from ({}, {}) to "
+                            "({}, {}): "
+                            "edges must neither cross nor touch.",
+                            nameOf(r), a0.x, a0.y, a1.x, a1.y, nameOf(s), b0.x, b0.y, b1.x, b1.y));
+          }
+        }
+      }
+    }
+  }
+  for (std::size_t r = 1; r < rings.size(); ++r) {
+    // Nothing crosses, so one corner speaks for its whole ring.
+    if (!insideRing(rings[0], rings[r][0])) {
+      return refused(ErrorCode::kDataDamaged,
+                     fmt::format("tracked space: {} lies outside the border, at ({}, {}).",
+                                 nameOf(r), rings[r][0].x, rings[r][0].y));
+    }
+    for (std::size_t s = 1; s < rings.size(); ++s) {
+      if (s != r && insideRing(rings[s], rings[r][0])) {
+        return refused(ErrorCode::kDataDamaged,
+                       fmt::format("tracked space: {} lies inside {}, at ({}, {}). Leave it out.",
+                                   nameOf(r), nameOf(s), rings[r][0].x, rings[r][0].y));
+      }
+    }
+  }
+  return {};
+}
+
+glm::dvec2 centroidOf(std::span<const glm::dvec2> ring) {
+  glm::dvec2 sum(0.0);
+  double twice = 0.0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const glm::dvec2 a = ring[i] - ring[0];
+    const glm::dvec2 b = ring[(i + 1) % ring.size()] - ring[0];
+    twice += cross(a, b);
+    sum += cross(a, b) * (a + b);
+  }
+  return ring[0] + sum / (3.0 * twice);
+}
+
+// ---- JSON
+// -----------------------------------------------------------------------------------------
+
+using Json = nlohmann::json;
+
+/// Only finds where malformed text stops making sense; nlohmann says so only by exception
+/// otherwise.
+struct FirstFault {
+  std::size_t position = 0;
+
+  bool null() { return true; }
+  bool boolean(bool) { return true; }
+  bool number_integer(Json::number_integer_t) { return true; }
+  bool number_unsigned(Json::number_unsigned_t) { return true; }
+  bool number_float(Json::number_float_t, const Json::string_t&) { return true; }
+  bool string(Json::string_t&) { return true; }
+  bool binary(Json::binary_t&) { return true; }
+  bool start_object(std::size_t) { return true; }
+  bool key(Json::string_t&) { return true; }
+  bool end_object() { return true; }
+  bool start_array(std::size_t) { return true; }
+  bool end_array() { return true; }
+  bool parse_error(std::size_t at, const std::string&, const Json::exception&) {
+    position = at;
+    return false;
+  }
+};
+
+std::size_t lineAt(std::string_view text, std::size_t position) {
+  return 1 +
+         static_cast<std::size_t>(std::count(
+             text.begin(),
+             text.begin() + static_cast<std::ptrdiff_t>(std::min(position, text.size())), '\n'));
+}
+
+tl::unexpected<Error> wrongShape(std::string_view field, std::string_view shape) {
+  return refused(ErrorCode::kDataDamaged,
+                 fmt::format("tracked space: \"{}\" must be {}, in metres.", field, shape));
+}
+
+bool readPair(const Json& json, glm::dvec2& pair) {
+  if (!json.is_array() || json.size() != 2 || !json[0].is_number() || !json[1].is_number())
+    return false;
+  pair = {json[0].get<double>(), json[1].get<double>()};
+  return true;
+}
+
+tl::expected<Ring, Error> readRing(const Json& json, std::string_view field) {
+  if (!json.is_array()) return wrongShape(field, "a list of corners [x, z]");
+  if (json.size() > kMostCorners) {
+    return refused(ErrorCode::kTooLarge,
+                   fmt::format("tracked space: \"{}\" has {} corners, {} are the limit.", field,
+                               json.size(), kMostCorners));
+  }
+  Ring ring;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    glm::dvec2 xz;
+    if (!readPair(json[i], xz)) {
+      return refused(
+          ErrorCode::kDataDamaged,
+          fmt::format("tracked space: corner {} of \"{}\" must be two numbers [x, z], in metres.",
+                      i, field));
+    }
+    ring.push_back({xz.x, -xz.y});
+  }
+  return ring;
+}
+
+/// What a message may repeat of a file: printable ASCII, not too much of it.
+std::string printable(std::string_view text) {
+  std::string safe;
+  for (char c : text.substr(0, 40)) safe += c >= ' ' && c <= '~' ? c : '?';
+  return safe;
+}
+
+bool blank(std::string_view line) {
+  return line.find_first_not_of(" \t\r\v\f") == std::string_view::npos;
+}
+
+}  // namespace
+
+TrackedSpace::TrackedSpace() { *this = *rectangle(6.0, 6.0); }
+
+tl::expected<TrackedSpace, Error> TrackedSpace::rectangle(double width, double depth) {
+  if (!(width >= 0.1 && width <= kFurthestCorner && depth >= 0.1 && depth <= kFurthestCorner)) {
+    return refused(
+        ErrorCode::kSettingOutOfRange,
+        fmt::format(
+            "tracked space: a rectangle of {} m x {} m cannot work: give sides of 0.1 m to 10 km.",
+            width, depth));
+  }
+  const double x = 0.5 * width;
+  const double y = 0.5 * depth;
+  return polygon(Ring{{-x, -y}, {x, -y}, {x, y}, {-x, y}});
+}
+
+tl::expected<TrackedSpace, Error> TrackedSpace::circle(double radius) {
+  if (!(radius >= 0.1 && radius <= kFurthestCorner)) {
+    return refused(
+        ErrorCode::kSettingOutOfRange,
+        fmt::format("tracked space: a circle of radius {} m cannot work: give 0.1 m to 10 km.",
+                    radius));
+  }
+  Ring ring;
+  for (int i = 0; i < kCircleCorners; ++i)
+    ring.push_back(radius * directionOf(2.0 * kPi * i / kCircleCorners));
+  return polygon(ring);
+}
+
+tl::expected<TrackedSpace, Error> TrackedSpace::polygon(
+    std::span<const glm::dvec2> border, std::span<const std::vector<glm::dvec2>> holes) {
+  std::size_t corners = border.size();
+  for (const Ring& hole : holes) corners += hole.size();
+  if (corners > kMostCorners) {
+    return refused(ErrorCode::kTooLarge,
+                   fmt::format("tracked space: {} corners, {} are the limit. Simplify its border.",
+                               corners, kMostCorners));
+  }
+  std::vector<Ring> rings;
+  for (std::size_t r = 0; r <= holes.size(); ++r) {
+    auto ring = soundRing(r == 0 ? border : std::span<const glm::dvec2>(holes[r - 1]), r);
+    if (!ring) return tl::unexpected(ring.error());
+    rings.push_back(std::move(*ring));
+  }
+  if (auto ok = checkCrossings(rings); !ok) return tl::unexpected(ok.error());
+
+  TrackedSpace space{Unchecked{}};
+  space.ringStart_.push_back(0);
+  for (const Ring& ring : rings) {
+    space.corners_.insert(space.corners_.end(), ring.begin(), ring.end());
+    space.ringStart_.push_back(space.corners_.size());
+  }
+  space.measure();
+  if (space.area_ < kSmallestArea) {
+    return refused(
+        ErrorCode::kDataDamaged,
+        fmt::format("tracked space: its holes leave {} m^2 of {} m^2, at least {} m^2 are needed.",
+                    space.area_, signedArea(rings[0]), kSmallestArea));
+  }
+  return space;
+}
+
+void TrackedSpace::measure() {
+  lower_ = upper_ = corners_.front();
+  for (const glm::dvec2 corner : ring(0)) {
+    lower_ = glm::min(lower_, corner);
+    upper_ = glm::max(upper_, corner);
+  }
+  area_ = 0.0;
+  for (std::size_t r = 0; r < ringCount(); ++r) area_ += signedArea(ring(r));
+
+  // Polylabel: cut squares into four, the most promising first, until none can be better by a
+  // millimetre.
+  struct Cell {
+    glm::dvec2 middle;
+    double half;
+    double distance;
+    double best() const { return distance + half * 1.4142135623730951; }
+  };
+  const auto less = [](const Cell& a, const Cell& b) {
+    if (a.best() != b.best()) return a.best() < b.best();
+    if (a.middle.x != b.middle.x) return a.middle.x > b.middle.x;
+    return a.middle.y > b.middle.y;
+  };
+  std::priority_queue<Cell, std::vector<Cell>, decltype(less)> cells(less);
+  const auto push = [&](glm::dvec2 middle, double half) {
+    cells.push({middle, half, signedDistance(middle)});
+  };
+
+  centre_ = centroidOf(ring(0));
+  clearance_ = signedDistance(centre_);
+  const glm::dvec2 extent = upper_ - lower_;
+  // A sliver is covered by at most 64 squares; their size only decides where the search begins.
+  const double size = std::max(std::min(extent.x, extent.y), std::max(extent.x, extent.y) / 64.0);
+  for (double x = lower_.x; x < upper_.x; x += size) {
+    for (double y = lower_.y; y < upper_.y; y += size)
+      push({x + 0.5 * size, y + 0.5 * size}, 0.5 * size);
+  }
+  while (!cells.empty()) {
+    const Cell cell = cells.top();
+    cells.pop();
+    // Better by a whisker is rounding: the centroid, or the first found, stays.
+    if (cell.distance > clearance_ + 1e-6) {
+      centre_ = cell.middle;
+      clearance_ = cell.distance;
+    }
+    if (cell.best() - clearance_ <= kPolePrecision) break;  // and so are all that are left
+    const double half = 0.5 * cell.half;
+    for (const glm::dvec2 corner :
+         {glm::dvec2(-1, -1), glm::dvec2(1, -1), glm::dvec2(-1, 1), glm::dvec2(1, 1)}) {
+      push(cell.middle + half * corner, half);
+    }
+  }
+}
+
+double TrackedSpace::shorterSide() const {
+  return std::min(upper_.x - lower_.x, upper_.y - lower_.y);
+}
+
+bool TrackedSpace::contains(glm::dvec2 point) const { return signedDistance(point) >= -kOnBorder; }
+
+double TrackedSpace::signedDistance(glm::dvec2 point) const {
+  bool inside = false;
+  double nearest2 = INFINITY;
+  for (std::size_t r = 0; r < ringCount(); ++r) {
+    const std::span<const glm::dvec2> corners = ring(r);
+    for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
+      const glm::dvec2 off = nearestOnSegment(corners[j], corners[i], point) - point;
+      nearest2 = std::min(nearest2, dot(off, off));
+    }
+    // Even-odd over all rings: inside the border and in no hole.
+    if (insideRing(corners, point)) inside = !inside;
+  }
+  const double distance = std::sqrt(nearest2);
+  return inside ? distance : -distance;
+}
+
+TrackedSpace::BorderPoint TrackedSpace::nearestBorder(glm::dvec2 point) const {
+  glm::dvec2 nearest(0.0);
+  glm::dvec2 edge(1.0, 0.0);
+  double nearest2 = INFINITY;
+  bool inside = false;
+  for (std::size_t r = 0; r < ringCount(); ++r) {
+    const std::span<const glm::dvec2> corners = ring(r);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const glm::dvec2 a = corners[i];
+      const glm::dvec2 b = corners[(i + 1) % corners.size()];
+      const glm::dvec2 on = nearestOnSegment(a, b, point);
+      const double distance2 = dot(on - point, on - point);
+      if (distance2 < nearest2) {
+        nearest2 = distance2;
+        nearest = on;
+        edge = b - a;
+      }
+    }
+    if (insideRing(corners, point)) inside = !inside;
+  }
+  const double distance = std::sqrt(nearest2);
+  const glm::dvec2 normal = glm::dvec2(-edge.y, edge.x) / lengthOf(edge);
+  const glm::dvec2 off = (point - nearest) / distance;
+  return {nearest, distance < kOnBorder ? normal : inside ? off : -off, distance};
+}
+
+double TrackedSpace::distanceAlong(glm::dvec2 point, glm::dvec2 direction) const {
+  if (!contains(point)) return 0.0;
+  double nearest = INFINITY;
+  for (std::size_t r = 0; r < ringCount(); ++r) {
+    const std::span<const glm::dvec2> corners = ring(r);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const glm::dvec2 a = corners[i];
+      const glm::dvec2 ab = corners[(i + 1) % corners.size()] - a;
+      // The floor lies left of every edge, so only a way that crosses to the right leaves it.
+      const double crossing = cross(ab, direction);
+      if (crossing >= 0.0) continue;
+      const double along = cross(a - point, ab) / -crossing;         // metres from `point`
+      const double share = cross(a - point, direction) / -crossing;  // of the edge
+      if (along < -kOnBorder || share < -1e-12 || share > 1.0 + 1e-12) continue;
+      nearest = std::min(nearest, std::max(along, 0.0));
+    }
+  }
+  return std::isfinite(nearest) ? nearest : 0.0;
+}
+
+tl::expected<TrackedSpace, Error> TrackedSpace::fromJson(std::string_view text) {
+  FirstFault fault;
+  if (!Json::sax_parse(text.begin(), text.end(), &fault)) {
+    return refused(ErrorCode::kDataDamaged,
+                   fmt::format("tracked space, line {}: not valid JSON at byte {}.",
+                               lineAt(text, fault.position), fault.position));
+  }
+  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (!json.is_object()) {
+    return refused(ErrorCode::kFormatUnknown,
+                   "tracked space: expected an object {\"format\": \"forewalk.space/1\", ...}.");
+  }
+  const auto format = json.find("format");
+  if (format == json.end() || !format->is_string() || *format != "forewalk.space/1") {
+    return refused(ErrorCode::kFormatUnsupported,
+                   fmt::format("tracked space: its \"format\" is {}, \"forewalk.space/1\" is read.",
+                               format != json.end() && format->is_string()
+                                   ? "\"" + printable(format->get_ref<const std::string&>()) + "\""
+                                   : std::string("missing")));
+  }
+  const auto rectangleField = json.find("rectangle");
+  const auto circleField = json.find("circle");
+  const auto polygonField = json.find("polygon");
+  const int shapes =
+      (rectangleField != json.end()) + (circleField != json.end()) + (polygonField != json.end());
+  if (shapes != 1) {
+    return refused(
+        ErrorCode::kDataDamaged,
+        fmt::format(
+            "tracked space: names {} shapes, give one of \"rectangle\", \"circle\", \"polygon\".",
+            shapes));
+  }
+  const auto holesField = json.find("holes");
+  if (holesField != json.end() && polygonField == json.end()) {
+    return refused(ErrorCode::kDataDamaged,
+                   "tracked space: \"holes\" needs \"polygon\": give the border as corners.");
+  }
+  if (rectangleField != json.end()) {
+    glm::dvec2 sides;
+    if (!readPair(*rectangleField, sides))
+      return wrongShape("rectangle", "two numbers [width, depth]");
+    return rectangle(sides.x, sides.y);
+  }
+  if (circleField != json.end()) {
+    if (!circleField->is_number()) return wrongShape("circle", "a number, its radius");
+    return circle(circleField->get<double>());
+  }
+  auto border = readRing(*polygonField, "polygon");
+  if (!border) return tl::unexpected(border.error());
+  std::vector<Ring> holes;
+  if (holesField != json.end()) {
+    if (!holesField->is_array() || holesField->size() > kMostCorners / 3) {
+      return wrongShape("holes", fmt::format("a list of at most {} rings", kMostCorners / 3));
+    }
+    for (const Json& hole : *holesField) {
+      auto ring = readRing(hole, "holes");
+      if (!ring) return tl::unexpected(ring.error());
+      holes.push_back(std::move(*ring));
+    }
+  }
+  return polygon(*border, holes);
+}
+
+tl::expected<TrackedSpace, Error> TrackedSpace::fromOpenRdw(std::string_view text) {
+  std::vector<Ring> rings(1);
+  std::size_t number = 0;
+  std::size_t corners = 0;
+  while (!text.empty()) {
+    ++number;
+    const std::size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    if (number == 1 && line.substr(0, 3) == "\xEF\xBB\xBF")
+      line.remove_prefix(3);  // byte order mark
+    if (blank(line)) {
+      if (!rings.back().empty()) rings.emplace_back();
+      continue;
+    }
+    std::istringstream words{std::string(line)};
+    words.imbue(std::locale::classic());
+    glm::dvec2 corner;
+    char comma = 0;
+    char rest = 0;
+    if (!(words >> corner.x >> comma >> corner.y) || comma != ',' || words >> rest) {
+      return refused(
+          ErrorCode::kDataDamaged,
+          fmt::format("tracked space, line {}: \"{}\" is not a corner, write x,y in metres.",
+                      number, printable(line)));
+    }
+    if (++corners > kMostCorners) {
+      return refused(
+          ErrorCode::kTooLarge,
+          fmt::format("tracked space, line {}: more than {} corners. Simplify its border.", number,
+                      kMostCorners));
+    }
+    rings.back().push_back(corner);
+  }
+  if (rings.back().empty()) rings.pop_back();
+  if (rings.empty()) {
+    return refused(ErrorCode::kDataDamaged,
+                   "tracked space: no corner in the text, write a line x,y for each.");
+  }
+  return polygon(rings[0], std::span<const Ring>(rings).subspan(1));
+}
+
+tl::expected<TrackedSpace, Error> TrackedSpace::read(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '{' ? fromJson(text) : fromOpenRdw(text);
+}
+
+}  // namespace forewalk::rdw
