@@ -1,8 +1,8 @@
 // Does predictive steering earn its place? Resets per 100 m over the bundled scenes and many seeds.
 //
 // Every controller walks the same seeds: the same start, the same goals in the same order. So the
-// difference predictive minus reactive is taken seed by seed, which leaves out what the scenes and walks
-// have in common; its standard error says how much of it is chance.
+// difference predictive minus reactive is taken seed by seed, which leaves out what the scenes and
+// walks have in common; its standard error says how much of it is chance.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -25,7 +25,8 @@ namespace {
 
 constexpr std::array<const char*, 5> kControllers = {"none", "s2c", "s2c-predictive", "s2o",
                                                      "s2o-predictive"};
-constexpr std::array<const char*, 5> kScenes = {"office", "museum", "two_storey", "corridor", "maze"};
+constexpr std::array<const char*, 5> kScenes = {"office", "museum", "two_storey", "corridor",
+                                                "maze"};
 
 struct Options {
   std::string scenes = "all";
@@ -56,11 +57,12 @@ std::vector<std::string> scenesOf(const std::string& text) {
   return CLI::detail::split(text, ',');
 }
 
-// Resets per 100 m of one controller over all seeds, in the order of seeds; all scenes where `scene` is
-// kAllScenes.
+// Resets per 100 m of one controller over all seeds, in the order of seeds; all scenes where
+// `scene` is kAllScenes.
 constexpr std::size_t kAllScenes = static_cast<std::size_t>(-1);
 
-std::vector<double> resetsOf(const std::vector<Walk>& walks, std::size_t scene, std::size_t controller) {
+std::vector<double> resetsOf(const std::vector<Walk>& walks, std::size_t scene,
+                             std::size_t controller) {
   std::vector<double> values;
   for (const Walk& walk : walks) {
     if (walk.controller == controller && (scene == kAllScenes || walk.scene == scene)) {
@@ -77,10 +79,12 @@ void printRow(const std::string& name, const std::vector<Walk>& walks, std::size
     fmt::print("  {:>7.2f} +-{:>5.2f}", service::mean(values), service::standardError(values));
   }
   for (const std::size_t reactive : {std::size_t{1}, std::size_t{3}}) {
-    const auto before = resetsOf(walks, scene, reactive), after = resetsOf(walks, scene, reactive + 1);
+    const auto before = resetsOf(walks, scene, reactive),
+               after = resetsOf(walks, scene, reactive + 1);
     std::vector<double> differences;
     for (std::size_t i = 0; i < before.size(); ++i) differences.push_back(after[i] - before[i]);
-    fmt::print("  {:>+7.2f} +-{:>5.2f}", service::mean(differences), service::standardError(differences));
+    fmt::print("  {:>+7.2f} +-{:>5.2f}", service::mean(differences),
+               service::standardError(differences));
   }
   fmt::print("\n");
 }
@@ -88,9 +92,9 @@ void printRow(const std::string& name, const std::vector<Walk>& walks, std::size
 tl::expected<void, Error> run(const Options& options) {
   const auto limits = rdw::gainLimitsByName(options.limits);
   if (!limits) {
-    return tl::unexpected(Error{ErrorCode::kSettingOutOfRange,
-                                fmt::format("--limits {}: no such preset. Try laboratory or steinicke.",
-                                            options.limits)});
+    return tl::unexpected(Error{
+        ErrorCode::kSettingOutOfRange,
+        fmt::format("--limits {}: no such preset. Try laboratory or steinicke.", options.limits)});
   }
   const auto room = rdw::TrackedSpace::rectangle(options.room, options.room);
   if (!room) return tl::unexpected(room.error());
@@ -99,8 +103,10 @@ tl::expected<void, Error> run(const Options& options) {
   for (const std::string& name : names) {
     const std::filesystem::path bundled =
         std::filesystem::path(FOREWALK_ASSETS) / "scenes" / (name + ".obj");
-    auto world = service::loadNavMesh(std::filesystem::exists(bundled) ? bundled : std::filesystem::path(name))
-                     .and_then([](const navmesh::NavMesh& navMesh) { return service::makeWorld(navMesh); });
+    auto world =
+        service::loadNavMesh(std::filesystem::exists(bundled) ? bundled
+                                                              : std::filesystem::path(name))
+            .and_then([](const navmesh::NavMesh& navMesh) { return service::makeWorld(navMesh); });
     if (!world) return tl::unexpected(std::move(world.error()));
     worlds.push_back(std::move(*world));
   }
@@ -155,18 +161,24 @@ tl::expected<void, Error> run(const Options& options) {
     stuck += walk.stuck;
   }
 
-  fmt::print("Resets per 100 virtual metres in a {0:g} m x {0:g} m room, limits \"{1}\", horizon {2:g} m; {3} "
-             "seeds of {4:g} m;\nmean +- standard error over seeds. Predictive minus reactive is paired by "
-             "seed: below 0, prediction helps.\n\n",
-             options.room, options.limits, options.horizon, options.seeds, options.metres);
-  fmt::print("{:<12}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}\n", "", "none", "S2C reactive",
-             "S2C predictive", "S2O reactive", "S2O predictive", "S2C pred-react", "S2O pred-react");
+  fmt::print(
+      "Resets per 100 virtual metres in a {0:g} m x {0:g} m room, limits \"{1}\", horizon {2:g} m; "
+      "{3} "
+      "seeds of {4:g} m;\nmean +- standard error over seeds. Predictive minus reactive is paired "
+      "by "
+      "seed: below 0, prediction helps.\n\n",
+      options.room, options.limits, options.horizon, options.seeds, options.metres);
+  fmt::print("{:<12}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}\n", "", "none",
+             "S2C reactive", "S2C predictive", "S2O reactive", "S2O predictive", "S2C pred-react",
+             "S2O pred-react");
   for (std::size_t scene = 0; scene < names.size(); ++scene) {
     printRow(std::filesystem::path(names[scene]).stem().string(), walks, scene);
   }
   printRow("all", walks, kAllScenes);
-  fmt::print("\n{} walks, {:.0f} m in {:.1f} s; {:.2f} m walked outside the room; {} ended stuck; traces {:016x}\n",
-             walks.size(), metres, seconds, violations, stuck, hash);
+  fmt::print(
+      "\n{} walks, {:.0f} m in {:.1f} s; {:.2f} m walked outside the room; {} ended stuck; traces "
+      "{:016x}\n",
+      walks.size(), metres, seconds, violations, stuck, hash);
   return {};
 }
 
@@ -175,7 +187,8 @@ tl::expected<void, Error> run(const Options& options) {
 
 int main(int argc, char** argv) {
   forewalk::Options options;
-  CLI::App program("Resets per 100 m: no steering, reactive and predictive S2C and S2O.", "steering_resets");
+  CLI::App program("Resets per 100 m: no steering, reactive and predictive S2C and S2O.",
+                   "steering_resets");
   program.add_option("--scenes", options.scenes, "all, or names or files with commas between")
       ->capture_default_str();
   program.add_option("--seeds", options.seeds, "Walks of each controller in each scene")
@@ -185,7 +198,8 @@ int main(int argc, char** argv) {
   program.add_option("--metres", options.metres, "Of a walk, virtual metres")
       ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();
-  program.add_option("--room", options.room, "Side of the square room, metres")->capture_default_str();
+  program.add_option("--room", options.room, "Side of the square room, metres")
+      ->capture_default_str();
   program.add_option("--limits", options.limits, "Preset of gain limits")->capture_default_str();
   program.add_option("--horizon", options.horizon, "Of prediction, metres")->capture_default_str();
   program.add_option("--threads", options.threads, "0: all cores; results do not depend on it")

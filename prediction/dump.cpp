@@ -22,25 +22,31 @@ using navmesh::NavGraph;
 
 // Keys in the order they are written, and floats printed as floats: 0.1f is "0.1", not
 // "0.10000000149011612".
-using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool, std::int64_t,
-                                  std::uint64_t, float>;
+using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool,
+                                  std::int64_t, std::uint64_t, float>;
 
 constexpr float kLiftTolerance = 0.02f;  // how far a dumped path may leave the ground, metres
 
 std::string_view nameOf(NodeKind kind) {
   switch (kind) {
-    case NodeKind::kSource: return "source";
-    case NodeKind::kBranch: return "branch";
-    case NodeKind::kTerminal: return "terminal";
+    case NodeKind::kSource:
+      return "source";
+    case NodeKind::kBranch:
+      return "branch";
+    case NodeKind::kTerminal:
+      return "terminal";
   }
   return "";
 }
 
 std::string_view nameOf(TerminalReason reason) {
   switch (reason) {
-    case TerminalReason::kNone: return "";
-    case TerminalReason::kHorizon: return "horizon";
-    case TerminalReason::kDeadEnd: return "dead_end";
+    case TerminalReason::kNone:
+      return "";
+    case TerminalReason::kHorizon:
+      return "horizon";
+    case TerminalReason::kDeadEnd:
+      return "dead_end";
   }
   return "";
 }
@@ -52,7 +58,8 @@ Json pointOf(glm::vec3 point) { return Json::array({point.x, point.y, point.z});
 float squaredDistance(glm::vec2 point, glm::vec2 a, glm::vec2 b) {
   const glm::vec2 along = b - a;
   const float squared = glm::dot(along, along);
-  const float t = squared > 0.0f ? glm::clamp(glm::dot(point - a, along) / squared, 0.0f, 1.0f) : 0.0f;
+  const float t =
+      squared > 0.0f ? glm::clamp(glm::dot(point - a, along) / squared, 0.0f, 1.0f) : 0.0f;
   const glm::vec2 off = point - (a + t * along);
   return glm::dot(off, off);
 }
@@ -71,8 +78,8 @@ std::vector<std::uint32_t> portalsAlong(const NavGraph& navGraph,
       if (navGraph.portalTo[h] != polygons[i + 1]) continue;
       float distance = std::numeric_limits<float>::max();
       for (std::size_t k = 0; k + 1 < path.size(); ++k) {
-        distance = std::min(distance,
-                            squaredDistance(navGraph.portalMidpoint[h], path[k], path[k + 1]));
+        distance =
+            std::min(distance, squaredDistance(navGraph.portalMidpoint[h], path[k], path[k + 1]));
       }
       if (distance < nearest) {
         nearest = distance;
@@ -102,7 +109,8 @@ Json nodeToJson(const PredictionGraph& graph, std::size_t i) {
   Json json = {{"id", i}, {"kind", nameOf(node.kind)}};
   if (node.reason != TerminalReason::kNone) json["reason"] = nameOf(node.reason);
   if (node.kind == NodeKind::kTerminal && node.branch) json["branch"] = true;
-  json["polygon"] = node.polygon == navmesh::kNoPolygon ? Json() : Json(navmesh::index(node.polygon));
+  json["polygon"] =
+      node.polygon == navmesh::kNoPolygon ? Json() : Json(navmesh::index(node.polygon));
   json["position"] = pointOf(node.position());
   json["distance"] = node.distance;
   json["prev"] = node.prev == kNoNode ? Json() : Json(index(node.prev));
@@ -111,9 +119,11 @@ Json nodeToJson(const PredictionGraph& graph, std::size_t i) {
 
 Json edgeToJson(const NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge) {
   Json polygons = Json::array();
-  for (const PolygonId polygon : graph.corridorOf(edge)) polygons.push_back(navmesh::index(polygon));
-  return {{"from", index(edge.from)}, {"to", index(edge.to)},     {"kind", nameOf(edge.kind)},
-          {"length", edge.length},    {"polygons", polygons},     {"path", pathOf(navGraph, graph, edge)}};
+  for (const PolygonId polygon : graph.corridorOf(edge))
+    polygons.push_back(navmesh::index(polygon));
+  return {{"from", index(edge.from)},  {"to", index(edge.to)},
+          {"kind", nameOf(edge.kind)}, {"length", edge.length},
+          {"polygons", polygons},      {"path", pathOf(navGraph, graph, edge)}};
 }
 
 // A list with one element a line: readable, and a `diff` of two dumps names the nodes that differ.
@@ -136,9 +146,12 @@ struct Look {
 Look lookOf(const Node& node) {
   constexpr std::string_view kGreen = "#1f9d55", kRed = "#d6353a", kBlue = "#123a7a";
   switch (node.kind) {
-    case NodeKind::kSource: return {kBlue, kBlue};
-    case NodeKind::kBranch: return {kRed, kRed};
-    case NodeKind::kTerminal: break;
+    case NodeKind::kSource:
+      return {kBlue, kBlue};
+    case NodeKind::kBranch:
+      return {kRed, kRed};
+    case NodeKind::kTerminal:
+      break;
   }
   if (node.reason == TerminalReason::kDeadEnd) return {"#ffffff", kGreen};
   return {kGreen, kGreen};
@@ -158,7 +171,8 @@ std::string toJson(const NavGraph& navGraph, const PredictionGraph& graph, doubl
   fmt::format_to(std::back_inserter(text), "  \"horizon\": {},\n  \"complete_to\": {},\n",
                  Json(graph.horizon).dump(), Json(graph.completeTo).dump());
   fmt::format_to(std::back_inserter(text), "  \"source\": {},\n", source.dump());
-  appendList(text, "nodes", graph.nodes.size(), [&](std::size_t i) { return nodeToJson(graph, i); });
+  appendList(text, "nodes", graph.nodes.size(),
+             [&](std::size_t i) { return nodeToJson(graph, i); });
   appendList(text, "edges", graph.edges.size(),
              [&](std::size_t i) { return edgeToJson(navGraph, graph, graph.edges[i]); });
   fmt::format_to(std::back_inserter(text), "  \"stats\": {}\n}}\n", stats.dump());
@@ -198,7 +212,9 @@ std::string toGraphml(const PredictionGraph& graph) {
                  "    <data key=\"graph_horizon\">{}</data>\n",
                  Json(graph.horizon).dump());
   constexpr float kYedPixels = 40.0f;  // a metre in yEd
-  const auto number = [](float value) { return fmt::format("{}", std::isfinite(value) ? value : 0.0f); };
+  const auto number = [](float value) {
+    return fmt::format("{}", std::isfinite(value) ? value : 0.0f);
+  };
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const Node& node = graph.nodes[i];
     const Look look = lookOf(node);
@@ -208,7 +224,8 @@ std::string toGraphml(const PredictionGraph& graph) {
         std::back_inserter(text),
         "      <data key=\"drawn_node\"><y:ShapeNode><y:Geometry height=\"{0}\" width=\"{0}\" "
         "x=\"{1}\" y=\"{2}\"/><y:Fill color=\"{3}\" transparent=\"false\"/><y:BorderStyle "
-        "color=\"{4}\" type=\"line\" width=\"2.0\"/><y:NodeLabel fontSize=\"9\" modelName=\"corners\" "
+        "color=\"{4}\" type=\"line\" width=\"2.0\"/><y:NodeLabel fontSize=\"9\" "
+        "modelName=\"corners\" "
         "modelPosition=\"se\">{5}: {6:.1f} m</y:NodeLabel><y:Shape type=\"{7}\"/></y:ShapeNode>"
         "</data>\n",
         kSize, number(node.plan.x * kYedPixels - kSize / 2),
@@ -348,7 +365,8 @@ class Labels {
  private:
   bool overlaps(glm::dvec2 low, glm::dvec2 high) const {
     return std::any_of(taken_.begin(), taken_.end(), [&](const auto& box) {
-      return low.x < box.second.x && low.y < box.second.y && box.first.x < high.x && box.first.y < high.y;
+      return low.x < box.second.x && low.y < box.second.y && box.first.x < high.x &&
+             box.first.y < high.y;
     });
   }
 
@@ -362,11 +380,14 @@ constexpr std::string_view kLoopStyle =
 void drawNode(SvgDrawing& drawing, glm::dvec2 at, const Node& node) {
   const Look look = lookOf(node);
   if (node.kind == NodeKind::kBranch) {
-    drawing.circle(at, 4.6, fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.4\"", look.fill));
+    drawing.circle(at, 4.6,
+                   fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.4\"", look.fill));
   } else if (node.reason == TerminalReason::kDeadEnd) {
-    drawing.circle(at, 4.8, fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"2.6\"", look.border));
+    drawing.circle(at, 4.8,
+                   fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"2.6\"", look.border));
   } else {
-    drawing.circle(at, 6.2, fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.6\"", look.fill));
+    drawing.circle(at, 6.2,
+                   fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.6\"", look.fill));
   }
 }
 
@@ -420,8 +441,7 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
   };
   drawing.beginClip(page.corner(), page.mapSize());
   // Whole ways from the source, broad and soft: where many lie together, the colour is strong.
-  drawing.beginGroup(
-      "fill=\"none\" stroke=\"#5b8def\" stroke-opacity=\"0.13\" stroke-width=\"9\"");
+  drawing.beginGroup("fill=\"none\" stroke=\"#5b8def\" stroke-opacity=\"0.13\" stroke-width=\"9\"");
   std::vector<glm::vec3> way;
   for (const NodeId terminal : graph.terminals) {
     wayTo(graph, terminal, way);
@@ -439,7 +459,8 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
       for (const Edge& edge : graph.edges) {
         const bool edgeNear = nearSource(graph, graph.node(edge.from).height) ||
                               nearSource(graph, graph.node(edge.to).height);
-        if (edge.kind == kind && edgeNear == near) drawing.polyline(trace(graph.pathOf(edge)), false, "");
+        if (edge.kind == kind && edgeNear == near)
+          drawing.polyline(trace(graph.pathOf(edge)), false, "");
       }
       drawing.endGroup();
     }
@@ -470,7 +491,8 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
     }
   }
   drawing.endGroup();
-  drawUser(drawing, page.at(graph.source.plan), text.heading.value_or(0.0f), text.heading.has_value());
+  drawUser(drawing, page.at(graph.source.plan), text.heading.value_or(0.0f),
+           text.heading.has_value());
   drawing.endGroup();
 
   drawCoordinates(drawing, page);

@@ -13,9 +13,9 @@
 
 namespace forewalk::prediction {
 
-/// JSON, schema `forewalk.prediction/1`, one node or edge a line. Points are [x, y, z] in world axes,
-/// metres; paths are lifted onto the surface, with a point wherever the ground bends. Numbers are the
-/// shortest that read back to the same float; what is not finite becomes null.
+/// JSON, schema `forewalk.prediction/1`, one node or edge a line. Points are [x, y, z] in world
+/// axes, metres; paths are lifted onto the surface, with a point wherever the ground bends. Numbers
+/// are the shortest that read back to the same float; what is not finite becomes null.
 ///
 /// `microseconds` is what the caller measured for making the graph (prediction reads no clock).
 /// `graph` must have been predicted on `navGraph`.
@@ -23,7 +23,8 @@ std::string toJson(const navmesh::NavGraph& navGraph, const PredictionGraph& gra
                    double microseconds);
 
 /// GraphML with typed keys: opens in yEd (with places, colours and labels), Gephi and networkx.
-/// Node places are x and y on the plan (y is -z, up on the page) and height, metres; edges have length.
+/// Node places are x and y on the plan (y is -z, up on the page) and height, metres; edges have
+/// length.
 std::string toGraphml(const PredictionGraph& graph);
 
 /// DOT for Graphviz, each node pinned to its place: `dot -Tsvg`, `neato` or `neato -n` draw it.
@@ -35,9 +36,9 @@ struct PlanText {
   std::optional<float> heading;  ///< of the user, radians; drawn as an arrow
 };
 
-/// The plan: walkable area, polygons, the user, branch nodes red, terminals green (dead ends hollow),
-/// taut paths, loops dashed, scale bar and legend. Shows the whole navmesh where the ways cover a fair
-/// part of it, else their surroundings.
+/// The plan: walkable area, polygons, the user, branch nodes red, terminals green (dead ends
+/// hollow), taut paths, loops dashed, scale bar and legend. Shows the whole navmesh where the ways
+/// cover a fair part of it, else their surroundings.
 std::string toSvg(const navmesh::NavGraph& navGraph, const PredictionGraph& graph,
                   const PlanText& text = {});
 

@@ -13,6 +13,7 @@ void FunnelTree::reserve(std::size_t nodes) {
   right_.resize(nodes);
   points_.resize(2 * nodes);
   cornerOf_.resize(2 * nodes);
+  path_.resize(nodes);
   pending_.reserve(nodes);
 }
 
@@ -34,23 +35,26 @@ void FunnelTree::restart(const navmesh::NavGraph& graph, glm::vec2 source, float
 /// Finds the funnel of a node, and those of the nodes before it that have none yet.
 void FunnelTree::find(std::uint32_t node) {
   if (apex_[node] != kNone) return;
-  const std::size_t mine = pending_.size();
-  std::uint32_t known = node;
-  for (; apex_[known] == kNone; known = links_[known].parent) pending_.push_back(known);
-  Funnel funnel{apex_[known], left_[known], right_[known]};
-  while (pending_.size() > mine) {
-    const std::uint32_t next = pending_.back();
-    pending_.pop_back();
-    const navmesh::Portal& portal = graph_->portals[links_[next].portal];
-    points_[2 * next] = portal.left;
-    points_[2 * next + 1] = portal.right;
-    cornerOf_[2 * next] = kNone;
-    cornerOf_[2 * next + 1] = kNone;
-    funnel = extended(funnel, next);
-    apex_[next] = funnel.apex;
-    left_[next] = funnel.left;
-    right_[next] = funnel.right;
+  const std::uint32_t parent = links_[node].parent;
+  if (apex_[parent] == kNone) {
+    std::uint32_t depth = 0;
+    for (std::uint32_t at = parent; apex_[at] == kNone; at = links_[at].parent) path_[depth++] = at;
+    while (depth > 0) findFromParent(path_[--depth]);
   }
+  findFromParent(node);
+}
+
+void FunnelTree::findFromParent(std::uint32_t node) {
+  const std::uint32_t parent = links_[node].parent;
+  const navmesh::Portal& portal = graph_->portals[links_[node].portal];
+  points_[2 * node] = portal.left;
+  points_[2 * node + 1] = portal.right;
+  cornerOf_[2 * node] = kNone;
+  cornerOf_[2 * node + 1] = kNone;
+  const Funnel funnel = extended({apex_[parent], left_[parent], right_[parent]}, node);
+  apex_[node] = funnel.apex;
+  left_[node] = funnel.left;
+  right_[node] = funnel.right;
 }
 
 /// `funnel` of the parent of `node`, narrowed by the portal into `node`.
@@ -76,12 +80,13 @@ FunnelTree::Funnel FunnelTree::extended(Funnel funnel, std::uint32_t node) {
 /// The path from `apex` bends at point `at`: the funnel from there through the portals on the way to
 /// `node`, its own included.
 FunnelTree::Funnel FunnelTree::bent(std::uint32_t apex, std::uint32_t at, std::uint32_t node) {
-  makeCorner(at, apex);
+  if (cornerOf_[at] == kNone) makeCorner(at, apex);
   Funnel opened{at, at, at};
+  const std::uint32_t from = nodeOf(at);
+  if (node == from) return opened;
+  if (links_[node].parent == from) return extended(opened, node);
   const std::size_t mine = pending_.size();
-  for (std::uint32_t next = node; next != nodeOf(at); next = links_[next].parent) {
-    pending_.push_back(next);
-  }
+  for (std::uint32_t next = node; next != from; next = links_[next].parent) pending_.push_back(next);
   while (pending_.size() > mine) {
     const std::uint32_t next = pending_.back();
     pending_.pop_back();
@@ -91,7 +96,6 @@ FunnelTree::Funnel FunnelTree::bent(std::uint32_t apex, std::uint32_t at, std::u
 }
 
 void FunnelTree::makeCorner(std::uint32_t point, std::uint32_t apex) {
-  if (cornerOf_[point] != kNone) return;
   const std::uint32_t previous = cornerOf_[apex];
   const std::uint32_t node = nodeOf(point);
   const navmesh::PortalHeights& heights = graph_->portalHeights[links_[node].portal];

@@ -44,6 +44,7 @@ void HorizonSearch::settle(PolygonId polygon, const Reach& reach) {
   node.parent = reach.parent;
   node.portal = reach.portal;
   node.key = reach.key;
+  node.corner = kNone;
   node.prevPG = 0;
   node.within = true;
   node.branch = false;
@@ -106,7 +107,7 @@ void HorizonSearch::relax(std::uint32_t node) {
 
 bool HorizonSearch::isWithin(std::uint32_t node, glm::vec2 source, float horizon,
                              const std::vector<Corner>& corners, Limit limit) {
-  const SearchNode& at = tree_[node];
+  SearchNode& at = tree_[node];
   if (at.key + graph_->portalToCentroid[at.portal] <= horizon) return true;
   if (limit == Limit::kKey) return false;
   const glm::vec2 centroid = graph_->centroid[index(at.polygon)];
@@ -114,7 +115,8 @@ bool HorizonSearch::isWithin(std::uint32_t node, glm::vec2 source, float horizon
   // The way by the last bend that all paths through the parent share is no longer than the taut path.
   const Corner& shared = corners[funnels_.cornerShared(at.parent)];
   if (shared.distance + glm::distance(shared.plan, centroid) > horizon) return false;
-  const Corner& before = corners[cornerBefore(node, centroid, horizon)];
+  at.corner = cornerBefore(node, centroid, horizon);
+  const Corner& before = corners[at.corner];
   return before.distance + glm::distance(before.plan, centroid) <= horizon;
 }
 

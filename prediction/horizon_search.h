@@ -29,6 +29,8 @@ struct SearchNode {
   std::uint32_t parent;  ///< index in the tree; of the source: 0
   std::uint32_t portal;  ///< half-portal of the parent's polygon it was entered by; source: kNone
   float key;             ///< metres, see above; source: 0
+  std::uint32_t corner;  ///< before its centroid on the taut path (FunnelTree::cornerBefore with the
+                         ///< horizon as enough), where the search needed it; else kNone
   std::uint32_t prevPG;  ///< index in the tree: the branch node or source before it; source: 0
   bool within;           ///< taut length <= horizon: it was expanded
   bool branch;           ///< within, and more than two neighbours

@@ -16,7 +16,7 @@ namespace {
 using navmesh::NavGraph;
 using navmesh::Portal;
 
-constexpr double kWidth = 1120;   // of the map at most, pixels
+constexpr double kWidth = 1120;  // of the map at most, pixels
 constexpr double kHeight = 860;
 constexpr double kScaleMax = 90;  // pixels per metre: a single room should not fill a wall
 constexpr double kRight = 30;
@@ -95,7 +95,8 @@ void drawWalkable(SvgDrawing& drawing, const PlanPage& page, const NavGraph& gra
       areas += 'Z';
       for (std::size_t edge = 0; edge < ring.size(); ++edge) {
         onEdge.clear();
-        for (std::uint32_t h = graph.portalStart[polygon]; h < graph.portalStart[polygon + 1]; ++h) {
+        for (std::uint32_t h = graph.portalStart[polygon]; h < graph.portalStart[polygon + 1];
+             ++h) {
           if (graph.portalEdge[h] == edge) onEdge.push_back(graph.portals[h]);
         }
         const glm::dvec2 a = ring[edge];
@@ -136,7 +137,7 @@ void drawCoordinates(SvgDrawing& drawing, const PlanPage& page) {
                     "fill=\"none\" stroke=\"#d9dde1\" stroke-width=\"1\"");
   for (double x = std::ceil(shown.low.x / step) * step; x <= shown.high.x; x += step) {
     const double at = page.at({x, 0}).x;
-    if (at > high.x - 24) break;  // the axis' name stands there
+    if (at > high.x - 36) break;  // the axis' name stands there
     drawing.line({at, low.y}, {at, low.y + 4}, kTick);
     drawing.text({at, low.y + 16}, svgNumber(x), 11, Anchor::kMiddle, kWords);
   }

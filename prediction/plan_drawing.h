@@ -1,8 +1,8 @@
 // The navmesh seen from above, as a drawing: what every plan of ours begins with.
 //
 // North on the page is forward (-Z), east is +X. Walkable area softly filled with a crisp border,
-// polygons faint, storeys that are not meant paler, a scale bar in metres, coordinates along the edge
-// so that a reader can pick positions.
+// polygons faint, storeys that are not meant paler, a scale bar in metres, coordinates along the
+// edge so that a reader can pick positions.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -41,12 +41,12 @@ class PlanPage {
   glm::dvec2 at(glm::dvec2 plan) const {
     return {(plan.x - bounds_.low.x) * scale_ + left_, (bounds_.high.y - plan.y) * scale_ + top_};
   }
-  double scale() const { return scale_; }           ///< pixels per metre
+  double scale() const { return scale_; }  ///< pixels per metre
   const PlanBounds& bounds() const { return bounds_; }
   glm::dvec2 corner() const { return {left_, top_}; }             ///< upper left of the map
   glm::dvec2 mapSize() const { return bounds_.size() * scale_; }  ///< of the map, pixels
   glm::dvec2 pageSize() const;
-  double legendTop() const { return top_ + mapSize().y + 34; }    ///< where the legend may begin
+  double legendTop() const { return top_ + mapSize().y + 34; }  ///< where the legend may begin
 
  private:
   PlanBounds bounds_;

@@ -104,7 +104,7 @@ class Assembly {
   void addAtCentroid(std::uint32_t at, bool wayGoesOn) {
     const std::uint32_t polygon = index(tree_[at].polygon);
     const glm::vec2 plan = navGraph_.centroid[polygon];
-    const std::uint32_t corner = search_.cornerBefore(at, plan);
+    const std::uint32_t corner = cornerBeforeCentroid(at);
     const Corner& before = out_.corners[corner];
     // A taut length that rounding puts a hair beyond the horizon was within it as a bound.
     const float distance = std::min(out_.horizon, before.distance + glm::distance(before.plan, plan));
@@ -117,11 +117,17 @@ class Assembly {
     joinTree(plan, node.prev, at, tree_[at].prevPG);
   }
 
+  /// Or a corner of the path that is beyond the horizon already.
+  std::uint32_t cornerBeforeCentroid(std::uint32_t at) {
+    if (tree_[at].corner != kNone) return tree_[at].corner;
+    return search_.cornerBefore(at, navGraph_.centroid[index(tree_[at].polygon)], out_.horizon);
+  }
+
   /// A terminal at arc length `horizon` on the taut path to the centroid of a tree node beyond it.
   void addCut(std::uint32_t at) {
     const std::vector<Corner>& corners = out_.corners;
     glm::vec2 ahead = navGraph_.centroid[index(tree_[at].polygon)];
-    std::uint32_t corner = search_.cornerBefore(at, ahead, out_.horizon);
+    std::uint32_t corner = cornerBeforeCentroid(at);
     bool onLastLeg = true;
     for (; corners[corner].distance > out_.horizon; corner = corners[corner].previous) {
       ahead = corners[corner].plan;

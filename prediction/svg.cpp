@@ -20,11 +20,21 @@ std::string escapeXml(std::string_view text) {
   escaped.reserve(text.size());
   for (const char c : text) {
     switch (c) {
-      case '&': escaped += "&amp;"; break;
-      case '<': escaped += "&lt;"; break;
-      case '>': escaped += "&gt;"; break;
-      case '"': escaped += "&quot;"; break;
-      case '\'': escaped += "&apos;"; break;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&apos;";
+        break;
       default:
         if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n') escaped += c;
     }
@@ -54,9 +64,8 @@ void SvgDrawing::rectangle(glm::dvec2 corner, glm::dvec2 size, std::string_view 
 }
 
 void SvgDrawing::line(glm::dvec2 from, glm::dvec2 to, std::string_view style) {
-  fmt::format_to(std::back_inserter(body_),
-                 "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" {}/>\n", svgNumber(from.x),
-                 svgNumber(from.y), svgNumber(to.x), svgNumber(to.y), style);
+  fmt::format_to(std::back_inserter(body_), "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" {}/>\n",
+                 svgNumber(from.x), svgNumber(from.y), svgNumber(to.x), svgNumber(to.y), style);
 }
 
 void SvgDrawing::polyline(std::span<const glm::dvec2> points, bool closed, std::string_view style) {

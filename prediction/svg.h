@@ -1,8 +1,8 @@
 // A drawing in SVG: just the shapes that our plans and plots are made of.
 //
-// Sizes are pixels of the drawing, x to the right and y down, as SVG has it. Numbers are written with
-// two decimals at most, text is escaped, so the result is well-formed whatever goes in; a coordinate
-// that is not finite is written as 0.
+// Sizes are pixels of the drawing, x to the right and y down, as SVG has it. Numbers are written
+// with two decimals at most, text is escaped, so the result is well-formed whatever goes in; a
+// coordinate that is not finite is written as 0.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -21,8 +21,8 @@ std::string escapeXml(std::string_view text);
 /// Where text stands relative to its point.
 enum class Anchor { kStart, kMiddle, kEnd };
 
-/// Grows as shapes are added, the later ones on top. `style` is written into the element as it stands,
-/// so it must be attributes of ours (`fill="#fff" stroke="none"`), never text from outside.
+/// Grows as shapes are added, the later ones on top. `style` is written into the element as it
+/// stands, so it must be attributes of ours (`fill="#fff" stroke="none"`), never text from outside.
 class SvgDrawing {
  public:
   /// A canvas of width x height pixels, > 0, filled with `background` (a colour).

@@ -15,9 +15,10 @@
  * the calling thread's latest failure. No call throws, aborts or prints. Null pointers are refused with
  * FOREWALK_ERROR_ARGUMENT.
  *
- * Structs carry their own size: set struct_size = sizeof(the struct), or call its _init function, before
- * use. Fields are only ever added at the end; a library that knows more fields than the caller fills or reads
- * only the caller's.
+ * Structs carry their own size. Settings: call their _init function, then change what should differ. What a
+ * call fills (forewalk_frame_out, forewalk_graph_view): set struct_size = sizeof(the struct). Fields are only
+ * ever added at the end. A library that knows more fields than the caller fills or reads only the caller's; one
+ * that knows fewer leaves the rest alone. A struct_size that no version has had is refused.
  *
  * Frames: forewalk_frame allocates nothing, locks nothing and never blocks.
  */
@@ -27,7 +28,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(_WIN32)
+#if defined(_WIN32) && defined(FOREWALK_BUILDS_LIBRARY)
+#define FOREWALK_API __declspec(dllexport)
+#elif defined(_WIN32)
 #define FOREWALK_API __declspec(dllimport)
 #elif defined(__GNUC__)
 #define FOREWALK_API __attribute__((visibility("default")))
@@ -67,7 +70,7 @@ enum {
 };
 
 /* The calling thread's latest failure: one sentence, UTF-8, "" if there was none. Lives until the thread's
- * next failing call. */
+ * next failing call, or its end. */
 FOREWALK_API const char *forewalk_last_error(void);
 
 /* ---- plain values ------------------------------------------------------------------------------------ */
@@ -76,7 +79,7 @@ typedef struct forewalk_vec3 {
   float x, y, z;
 } forewalk_vec3;
 
-/* Unit quaternion. */
+/* Unit quaternion: turns the head's own axes into the world's, both named as in forewalk_axes. */
 typedef struct forewalk_quat {
   float x, y, z, w;
 } forewalk_quat;
@@ -87,7 +90,9 @@ typedef struct forewalk_pose {
 } forewalk_pose;
 
 /* Whose axes and units a session speaks. Angles follow the axes: what turns left is positive in
- * FOREWALK_AXES_OPENXR (seen from above, counter-clockwise) and negative in the left-handed two. */
+ * FOREWALK_AXES_OPENXR (seen from above, counter-clockwise) and negative in the left-handed two, as is a yaw
+ * there; so does the sign of a curvature. Positions and displacements have the axes' unit; what is called a
+ * distance, a length or a horizon is in metres everywhere. */
 typedef int32_t forewalk_axes;
 enum {
   FOREWALK_AXES_OPENXR = 0, /* right-handed, +Y up, forward -Z, metres; also glTF, Godot, WebXR */
@@ -124,15 +129,17 @@ typedef struct forewalk_build_settings {
 
 FOREWALK_API void forewalk_build_settings_init(forewalk_build_settings *settings);
 
-/* Builds from a scene file (.obj .off .ply .stl .gltf .glb), or loads a .fwmesh (settings are then not used).
- * `path` is UTF-8. `settings` may be null: defaults. On success *navmesh is the caller's to release. */
+/* Builds from a scene file (.obj .off .ply .stl .gltf .glb), or loads a .fwmesh or RecastDemo's tile set (.bin;
+ * settings are then not used). `path` is UTF-8. `settings` may be null: defaults. On success *navmesh is the
+ * caller's to release, on failure null. Tiles are built on all cores; the threads end with the call. */
 FOREWALK_API forewalk_status forewalk_navmesh_from_file(const char *path, const forewalk_build_settings *settings,
                                                         forewalk_navmesh **navmesh);
 
 /* Builds from triangles an engine has in memory: `vertex_count` times x, y, z, and `index_count` indices, three
- * a triangle, counter-clockwise seen from outside in right-handed axes. The arrays are only read during the
- * call. For left-handed engines pass `axes` (FOREWALK_AXES_UNITY, FOREWALK_AXES_UNREAL): vertices and winding are
- * then converted, and z_up is not used. */
+ * a triangle. The arrays are only read during the call. Vertices are in `axes`, and the winding is the one that
+ * the engine's own meshes have, seen from outside: counter-clockwise for FOREWALK_AXES_OPENXR and
+ * FOREWALK_AXES_UNREAL, clockwise for FOREWALK_AXES_UNITY. z_up is used with FOREWALK_AXES_OPENXR only.
+ * metres_per_unit scales what the axes' unit gives: leave it at 1 for Unreal's centimetres. */
 FOREWALK_API forewalk_status forewalk_navmesh_from_triangles(const float *vertices, size_t vertex_count,
                                                              const uint32_t *indices, size_t index_count,
                                                              forewalk_axes axes,
@@ -143,8 +150,9 @@ FOREWALK_API forewalk_status forewalk_navmesh_from_triangles(const float *vertic
 FOREWALK_API forewalk_status forewalk_navmesh_from_fwmesh(const void *bytes, size_t byte_count,
                                                           forewalk_navmesh **navmesh);
 
-/* The bytes of a .fwmesh of this navmesh. Call with `buffer` null to learn the size; then with a buffer of at
- * least *byte_count bytes. *byte_count is set to the size in both cases. */
+/* The bytes of a .fwmesh of this navmesh. Call with `buffer` null to learn the size; then with a buffer of
+ * *byte_count bytes. *byte_count is set to the size in every case; a buffer that is smaller is not written to
+ * (FOREWALK_ERROR_ARGUMENT). */
 FOREWALK_API forewalk_status forewalk_navmesh_save(const forewalk_navmesh *navmesh, void *buffer,
                                                    size_t *byte_count);
 
@@ -194,7 +202,13 @@ typedef struct forewalk_session_settings {
    * session is made. border_count 0: a rectangle of width (right) by depth (forward) about the origin. */
   const forewalk_point2 *border;
   size_t border_count;
-  float width, depth;              /* metres (Unreal: centimetres); default 4 x 4 m */
+  float width, depth;              /* metres (Unreal: centimetres); default 0: 4 metres */
+
+  /* Pillars and tables inside the border, `hole_count` of them: hole_sizes[i] points each, one after the other
+   * in hole_points. Only read while the session is made; default none. */
+  const forewalk_point2 *hole_points;
+  const size_t *hole_sizes;
+  size_t hole_count;
 
   /* Where the first frame's head is put: above this point of the virtual floor, looking along this heading
    * (radians; 0 is forward; sign as forewalk_axes says). has_start 0: virtual space is physical space at
@@ -207,9 +221,12 @@ typedef struct forewalk_session_settings {
   float translation_min, translation_max;
   float rotation_min, rotation_max;
   float curvature_max;
+  float bending_min, bending_max;
 
-  uint32_t polygon_limit;          /* most polygons in one prediction; default 16384 */
+  uint32_t polygon_limit;          /* most polygons in one prediction, >= 1; default 16384 */
   int32_t resets;                  /* 0: never stop the user; default 1 */
+  int32_t always_predict;          /* 0: only where the controller asks for it; default 1 */
+  uint32_t reserved;               /* 0 */
 } forewalk_session_settings;
 
 FOREWALK_API void forewalk_session_settings_init(forewalk_session_settings *settings);
@@ -251,13 +268,14 @@ typedef struct forewalk_frame_out {
   forewalk_pose virtual_pose;        /* what to render from */
   float translation;                 /* gains as applied: virtual over physical */
   float rotation;
-  float curvature;                   /* 1/metre whatever the axes' unit */
+  float curvature;                   /* 1/metre whatever the axes' unit; positive as an angle is */
   float bending;
   float injected_yaw;                /* radians by which the world was turned about the head this frame */
   forewalk_vec3 injected_translation; /* by which the user was pushed this frame, virtual */
   int32_t resetting;                 /* 1 while the user is being turned */
   forewalk_instruction instruction;
   float reset_remaining;             /* physical radians to go, >= 0 */
+  float reset_turned;                /* physical radians turned since it began; its sign is the way to go on */
   uint32_t reset_count;              /* begun so far */
   uint32_t graph_nodes;
   float predict_seconds;             /* time spent: finding the place and the graph */
@@ -265,13 +283,15 @@ typedef struct forewalk_frame_out {
 } forewalk_frame_out;
 
 /* One frame: the tracked head in the tracking system's space (its floor at height 0), and a time that does not
- * run backwards. Odd input is reported in out->flags and leaves the session usable. Fails only for null
- * pointers and a wrong struct_size. */
+ * run backwards. Odd input is reported in out->flags and leaves the session usable; whatever comes in, what
+ * comes out is finite. Fails only for null pointers and a wrong struct_size. */
 FOREWALK_API forewalk_status forewalk_frame(forewalk_session *session, forewalk_vec3 head_position,
                                             forewalk_quat head_orientation, double seconds,
                                             forewalk_frame_out *out);
 
-/* Puts the user's next frame at another place of the virtual floor (a teleport, a lift). */
+/* Puts the user's next frame at another place of the virtual floor (a teleport, a lift), looking along
+ * `heading`. Off the navmesh (more than 0.5 m beside it, above or below) it fails with
+ * FOREWALK_ERROR_POSITION_OFF_NAVMESH, and nothing changes. */
 FOREWALK_API forewalk_status forewalk_session_teleport(forewalk_session *session, forewalk_vec3 floor,
                                                        float heading);
 
@@ -287,7 +307,7 @@ typedef struct forewalk_node {
   forewalk_vec3 position;
   float distance;                    /* of the taut path from the source, metres */
   uint32_t prev;                     /* the branch node or source before it; of the source: UINT32_MAX */
-  uint32_t polygon;
+  uint32_t polygon;                  /* UINT32_MAX: none, the user is off the navmesh */
   forewalk_node_kind kind;
   forewalk_terminal_reason reason;
   uint8_t branch;                    /* 1: a branch node (a terminal can be one too) */
@@ -297,7 +317,8 @@ typedef struct forewalk_node {
 typedef struct forewalk_edge {
   uint32_t from, to;                 /* nodes */
   float length;                      /* of the taut path between them, metres */
-  uint32_t path_start, path_count;   /* its points, in forewalk_graph_view.points */
+  uint32_t path_start, path_count;   /* its points, in forewalk_graph_view.points, from `from` to `to`; they
+                                      * lie on the floor, with one wherever the floor bends (stairs) */
   int32_t loop;                      /* 0: to its prev; 1: joins neighbours that the tree leaves apart */
 } forewalk_edge;
 
@@ -315,7 +336,9 @@ typedef struct forewalk_graph_view {
   float complete_to;                 /* all ways are known out to here; less than horizon at a limit */
 } forewalk_graph_view;
 
-/* Allocates only where this frame's graph is larger than all before. */
+/* No nodes before the first frame, and where nothing was predicted (always_predict). Costs O(points); a frame
+ * whose graph nobody asks for costs nothing here. Allocates only where this frame's graph is larger than all
+ * before. */
 FOREWALK_API forewalk_status forewalk_graph(forewalk_session *session, forewalk_graph_view *view);
 
 #ifdef __cplusplus

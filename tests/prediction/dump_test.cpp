@@ -37,10 +37,11 @@ navmesh::World rooms(int columns, int rows, std::uint64_t seed) {
   }
   for (int z = 0; z < rows; ++z) {
     for (int x = 0; x < columns; ++x) {
-      if ((x != 0 || z != 0) && navmesh::uniform(rng) < 0.25) continue;
+      if (x != 0 && z != 0 && navmesh::uniform(rng) < 0.25) continue;
       const auto corner = static_cast<std::uint32_t>(z * (columns + 1) + x);
       const auto across = static_cast<std::uint32_t>(columns + 1);
-      for (const std::uint32_t vertex : {corner, corner + 1, corner + 1 + across, corner + across}) {
+      for (const std::uint32_t vertex :
+           {corner, corner + 1, corner + 1 + across, corner + across}) {
         mesh.ring.push_back(vertex);
       }
       mesh.ringStart.push_back(static_cast<std::uint32_t>(mesh.ring.size()));
@@ -70,8 +71,9 @@ PredictionGraph offTheMesh(const navmesh::World& world) {
   return predict(world.graph, {}, 10.0f, scratch);
 }
 
-// Why `text` is not well-formed XML of the plain kind we write (no entities of our own, no CDATA), or
-// nothing. Small on purpose: tags that nest and close, attributes once and quoted, no stray < or &.
+// Why `text` is not well-formed XML of the plain kind we write (no entities of our own, no CDATA),
+// or nothing. Small on purpose: tags that nest and close, attributes once and quoted, no stray < or
+// &.
 std::string faultOf(std::string_view text) {
   std::vector<std::string> open;
   std::size_t i = 0, roots = 0;
@@ -103,9 +105,9 @@ std::string faultOf(std::string_view text) {
     if (text[i] == '/') {
       ++i;
       const std::string name = nameAt(i);
-      if (open.empty() || open.back() != name) return "</" + name + "> closes nothing";
+      if (open.empty() || open.back() != name) return name + " closes nothing";
       open.pop_back();
-      if (i >= text.size() || text[i] != '>') return "</" + name + " does not end";
+      if (i >= text.size() || text[i] != '>') return name + " has a closing tag that does not end";
       ++i;
       continue;
     }
@@ -115,7 +117,7 @@ std::string faultOf(std::string_view text) {
     std::set<std::string> attributes;
     for (;;) {
       while (i < text.size() && std::isspace(static_cast<unsigned char>(text[i])) != 0) ++i;
-      if (i >= text.size()) return "<" + name + " does not end";
+      if (i >= text.size()) return name + " does not end";
       if (text[i] == '>') {
         open.push_back(name);
         ++i;
@@ -129,10 +131,11 @@ std::string faultOf(std::string_view text) {
       std::string attribute = nameAt(at);
       while (at < text.size() && text[at] == '.') {  // attr.name, yfiles.type
         ++at;
-        attribute += "." + nameAt(at);
+        attribute += '.';
+        attribute += nameAt(at);
       }
       i = at;
-      if (attribute.empty() || text.substr(i, 2) != "=\"") return "<" + name + ": no attribute";
+      if (attribute.empty() || text.substr(i, 2) != "=\"") return name + " has no proper attribute";
       if (!attributes.insert(attribute).second) return name + " has " + attribute + " twice";
       for (i += 2; i < text.size() && text[i] != '"'; ++i) {
         if (text[i] == '<' || (text[i] == '&' && !knownEntity(i))) return "bad " + attribute;
@@ -146,8 +149,8 @@ std::string faultOf(std::string_view text) {
 
 TEST(XmlCheckOfTheseTests, SeesWhatIsWrong) {
   EXPECT_EQ(faultOf("<a x=\"1\"><b/>t &amp; t</a>\n"), "");
-  for (const char* bad : {"", "<a>", "<a></b>", "<a/><b/>", "<a x=\"1\" x=\"2\"/>", "<a>&</a>", "<a b/>",
-                          "<a>< </a>", "t<a/>", "<a b=\"<\"/>"}) {
+  for (const char* bad : {"", "<a>", "<a></b>", "<a/><b/>", "<a x=\"1\" x=\"2\"/>", "<a>&</a>",
+                          "<a b/>", "<a>< </a>", "t<a/>", "<a b=\"<\"/>"}) {
     EXPECT_NE(faultOf(bad), "") << bad;
   }
 }
@@ -173,7 +176,8 @@ TEST(Dumps, AreWellFormedForTheSourceAlone) {
 
 TEST(Dumps, AreWellFormedForNumbersThatAreNone) {
   Predicted p = predicted(4, 4, 6.0f);
-  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+  for (const float bad :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     PredictionGraph graph = p.graph;
     graph.nodes.back().distance = bad;
     graph.nodes.back().height = bad;
@@ -211,9 +215,13 @@ TEST(Json, FollowsTheSchema) {
     const json& node = dump["nodes"][i];
     EXPECT_EQ(node["id"], i);
     const std::string kind = node["kind"];
-    EXPECT_EQ(kind, i == 0 ? "source" : p.graph.nodes[i].kind == NodeKind::kBranch ? "branch" : "terminal");
+    EXPECT_EQ(kind, i == 0                                       ? "source"
+                    : p.graph.nodes[i].kind == NodeKind::kBranch ? "branch"
+                                                                 : "terminal");
     EXPECT_EQ(node["prev"].is_null(), i == 0);
-    if (i > 0) EXPECT_LT(node["prev"].get<std::size_t>(), i) << "parents come first";
+    if (i > 0) {
+      EXPECT_LT(node["prev"].get<std::size_t>(), i) << "parents come first";
+    }
     EXPECT_EQ(node.contains("reason"), kind == "terminal");
     if (kind == "terminal") {
       EXPECT_TRUE(node["reason"] == "horizon" || node["reason"] == "dead_end");
@@ -234,7 +242,8 @@ TEST(Json, HasPathsAsLongOnThePlanAsTheirEdges) {
       glm::dvec3 last(0.0);
       for (std::size_t i = 0; i < edge["path"].size(); ++i) {
         const json& point = edge["path"][i];
-        const glm::dvec3 here(point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
+        const glm::dvec3 here(point[0].get<double>(), point[1].get<double>(),
+                              point[2].get<double>());
         if (i > 0) length += std::hypot(here.x - last.x, here.z - last.z);
         EXPECT_NEAR(here.y, 0.05 * here.x, 0.021) << "lies on the ramp";
         last = here;
@@ -244,7 +253,8 @@ TEST(Json, HasPathsAsLongOnThePlanAsTheirEdges) {
       const json& to = dump["nodes"][edge["to"].get<std::size_t>()]["position"];
       EXPECT_NEAR(edge["path"].front()[0].get<float>(), from[0].get<float>(), 1e-4f);
       EXPECT_NEAR(edge["path"].back()[2].get<float>(), to[2].get<float>(), 1e-4f);
-      EXPECT_EQ(edge["polygons"].front(), dump["nodes"][edge["from"].get<std::size_t>()]["polygon"]);
+      EXPECT_EQ(edge["polygons"].front(),
+                dump["nodes"][edge["from"].get<std::size_t>()]["polygon"]);
     }
   }
 }
@@ -260,7 +270,8 @@ TEST(Graphml, HasEveryNodeAndEdgeAndOnlyDeclaredKeys) {
   EXPECT_EQ(faultOf(text), "");
   EXPECT_EQ(count(text, "<node id="), p.graph.nodes.size());
   EXPECT_EQ(count(text, "<edge id="), p.graph.edges.size());
-  for (std::size_t at = text.find("<data key=\""); at != text.npos; at = text.find("<data key=\"", at + 1)) {
+  for (std::size_t at = text.find("<data key=\""); at != text.npos;
+       at = text.find("<data key=\"", at + 1)) {
     const std::size_t begin = at + 11;
     const std::string key = text.substr(begin, text.find('"', begin) - begin);
     EXPECT_NE(text.find("<key id=\"" + key + "\""), text.npos) << key;
@@ -287,7 +298,8 @@ TEST(Svg, HasAMarkForEveryNode) {
   }
   ASSERT_GT(branches, 0u);
   ASSERT_GT(horizon, 0u);
-  const std::string text = toSvg(p.world.graph, p.graph, {"A title with <angles> & \"quotes\"", 0.5f});
+  const std::string text =
+      toSvg(p.world.graph, p.graph, {"A title with <angles> & \"quotes\"", 0.5f});
   EXPECT_EQ(faultOf(text), "");
   // One more of each in the legend.
   EXPECT_EQ(count(text, "fill=\"#d6353a\""), branches + 1);

@@ -1,1 +1,44 @@
 # Tests of service/, one forewalk_test() a file.
+forewalk_test(service/parallel_test.cpp LIBS forewalk::service)
+forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
+forewalk_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
+add_dependencies(cli_test forewalk)
+target_compile_definitions(cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+
+# The C interface.
+forewalk_test(service/capi_axes_test.cpp LIBS capi capi_axes forewalk::navmesh_build)
+forewalk_test(service/capi_allocation_test.cpp LIBS capi forewalk::rdw forewalk::navmesh_build)
+forewalk_test(service/capi_session_test.cpp LIBS capi forewalk::rdw forewalk::navmesh_build)
+forewalk_test(service/capi_threads_test.cpp LIBS capi forewalk::rdw forewalk::navmesh_build)
+forewalk_test(service/capi_example_test.cpp LIBS forewalk::rdw forewalk::navmesh_build)
+if(TARGET capi_example_test)
+  add_dependencies(capi_example_test frame_example)
+  target_compile_definitions(capi_example_test PRIVATE
+    FOREWALK_FRAME_EXAMPLE="$<TARGET_FILE:frame_example>")
+endif()
+forewalk_test(service/capi_header_test.cpp LIBS capi)
+if(TARGET capi_header_test)
+  add_library(capi_header_in_c OBJECT service/capi_header.c)
+  target_link_libraries(capi_header_in_c PRIVATE capi)
+  target_include_directories(capi_header_in_c PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_options(capi_header_in_c PRIVATE -std=c99 -pedantic -Wall -Wextra -Wshadow
+    -Wstrict-prototypes -Werror)
+  target_link_libraries(capi_header_test PRIVATE capi_header_in_c)
+  target_compile_definitions(capi_header_test PRIVATE
+    FOREWALK_NM="${CMAKE_NM}"
+    FOREWALK_LIBRARY="$<TARGET_FILE:capi>"
+    FOREWALK_PROJECT_VERSION="${PROJECT_VERSION}")
+
+  find_program(CLANGXX NAMES clang++ clang++-14)
+  if(CLANGXX)
+    add_test(NAME Header.ServesCppWithoutExceptionsAndRtti
+      COMMAND ${CLANGXX} -std=c++17 -fno-exceptions -fno-rtti -Wall -Wextra -pedantic -Werror
+              -fsyntax-only -I${PROJECT_SOURCE_DIR}/service/capi
+              ${CMAKE_CURRENT_SOURCE_DIR}/service/capi_header_plain.cpp)
+  else()
+    add_test(NAME Header.ServesCppWithoutExceptionsAndRtti
+      COMMAND ${CMAKE_COMMAND} -E echo "skipped: there is no clang++ here")
+    set_tests_properties(Header.ServesCppWithoutExceptionsAndRtti PROPERTIES
+      SKIP_REGULAR_EXPRESSION "^skipped")
+  endif()
+endif()

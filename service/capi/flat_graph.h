@@ -1,0 +1,42 @@
+// A prediction graph as the flat arrays that the C interface shows.
+#pragma once
+
+#include <vector>
+
+#include "navmesh/nav_graph.h"
+#include "prediction/prediction_graph.h"
+#include "service/capi/forewalk.h"
+
+namespace forewalk::capi {
+
+/// Owned by a session, filled when somebody asks.
+class FlatGraph {
+ public:
+  /// Makes room for graphs of up to `polygons` settled polygons on level ground. Stairs bring more
+  /// points, so that the arrays can still grow.
+  explicit FlatGraph(std::uint32_t polygons);
+
+  /// Replaces the arrays by those of `graph`, which was predicted on `navGraph`. Paths are lifted
+  /// onto the floor, to 2 cm.
+  void flatten(const navmesh::NavGraph& navGraph, const prediction::PredictionGraph& graph,
+               forewalk_axes axes);
+
+  void clear();
+
+  /// The arrays live until the next flatten() or clear().
+  forewalk_graph_view view() const;
+
+ private:
+  void liftEdge(const navmesh::NavGraph& navGraph, const prediction::PredictionGraph& graph,
+                const prediction::Edge& edge, forewalk_axes axes);
+
+  float horizon_ = 0.0f;
+  float completeTo_ = 0.0f;
+  std::vector<forewalk_node> nodes_;
+  std::vector<forewalk_edge> edges_;
+  std::vector<forewalk_vec3> points_;
+  std::vector<std::uint32_t> portals_;  // of the edge at hand
+  std::vector<glm::vec3> lifted_;       // of the edge at hand
+};
+
+}  // namespace forewalk::capi

@@ -1,0 +1,109 @@
+// forewalk predict: the ways ahead of one user, as a file.
+#include "prediction/predict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/trigonometric.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prediction/dump.h"
+#include "service/cli/scene_options.h"
+#include "service/cli/verb.h"
+#include "service/files.h"
+#include "service/timing.h"
+
+namespace forewalk::cli {
+namespace {
+
+struct PredictOptions {
+  SceneOptions scene;
+  std::string at;
+  std::optional<float> headingDegrees;
+  float horizon = 20.0f;
+  std::string format;
+  std::filesystem::path out = "-";
+};
+
+std::string formatOf(const PredictOptions& options) {
+  if (!options.format.empty()) return options.format;
+  std::string ending = options.out.extension().string();
+  if (!ending.empty()) ending.erase(0, 1);
+  for (const char* known : {"json", "graphml", "dot", "svg"}) {
+    if (ending == known) return ending;
+  }
+  return "json";
+}
+
+tl::expected<void, Error> run(const PredictOptions& options) {
+  const glm::vec3 at = parsePosition("--at", options.at);
+  if (!(options.horizon > 0.0f) || options.horizon > 10000.0f) {
+    throw CLI::ValidationError(
+        "--horizon",
+        fmt::format("{:g} m is out of range; give more than 0 and up to 10000 m", options.horizon));
+  }
+  if (options.headingDegrees && !std::isfinite(*options.headingDegrees)) {
+    throw CLI::ValidationError("--heading-deg", "is no number of degrees");
+  }
+  auto world = loadWorld(options.scene);
+  if (!world) return tl::unexpected(std::move(world.error()));
+  const auto place = service::placeIn(**world, at, options.scene.scene.string());
+  if (!place) return tl::unexpected(place.error());
+
+  const navmesh::NavGraph& navGraph = (*world)->graph;
+  prediction::PredictionLimits limits;
+  limits.polygons = std::max(limits.polygons, navGraph.polygonCount());
+  prediction::Scratch scratch(navGraph, limits);
+  const prediction::PredictionGraph* graph = nullptr;
+  std::vector<double> times;
+  for (int round = 0; round < 10; ++round) {  // buffers grow in the first
+    const service::Stopwatch watch;
+    graph = &prediction::predict(navGraph, *place, options.horizon, scratch);
+    if (round > 0) times.push_back(watch.microseconds());
+  }
+  const std::string format = formatOf(options);
+  if (format == "graphml") return service::writeFile(options.out, prediction::toGraphml(*graph));
+  if (format == "dot") return service::writeFile(options.out, prediction::toDot(*graph));
+  if (format == "svg") {
+    const std::string title = fmt::format("Ways ahead within {:g} m in {}", options.horizon,
+                                          options.scene.scene.stem().string());
+    prediction::PlanText text{title, {}};
+    if (options.headingDegrees) text.heading = glm::radians(*options.headingDegrees);
+    return service::writeFile(options.out, prediction::toSvg(navGraph, *graph, text));
+  }
+  return service::writeFile(options.out,
+                            prediction::toJson(navGraph, *graph, service::quantile(times, 0.5)));
+}
+
+}  // namespace
+
+Verb addPredict(CLI::App& program) {
+  CLI::App* verb = program.add_subcommand("predict", "The ways ahead of a user, out to a horizon");
+  const auto options = std::make_shared<PredictOptions>();
+  addSceneOptions(*verb, options->scene);
+  verb->add_option("--at", options->at, "Where the user stands: x,y,z in scene axes, metres")
+      ->required();
+  verb->add_option(
+      "--heading-deg", options->headingDegrees,
+      "Where the user looks, degrees: 0 is -z, counter-clockwise positive; drawn in the plan");
+  verb->add_option("--horizon", options->horizon, "How far ahead, metres along the path")
+      ->capture_default_str();
+  verb->add_option(
+          "--format", options->format,
+          "json, graphml (yEd, Gephi, networkx), dot (Graphviz) or svg (a plan); by default what "
+          "the ending of --out says, else json")
+      ->check(CLI::IsMember({"json", "graphml", "dot", "svg"}));
+  verb->add_option("--out", options->out, "File to write; - is stdout")->capture_default_str();
+  verb->footer(
+      "Example:\n"
+      "  forewalk predict assets/scenes/office.obj --at 10,0,8 --heading-deg 90 --horizon 20 \\\n"
+      "      --format svg --out plan.svg");
+  return {verb, [options] { return run(*options); }};
+}
+
+}  // namespace forewalk::cli

@@ -1,0 +1,94 @@
+// forewalk simulate: one walk from a configuration file, as a trace and a summary.
+#include "rdw/simulation.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "service/cli/verb.h"
+#include "service/console.h"
+#include "service/files.h"
+#include "service/parallel.h"
+#include "service/simulation_file.h"
+#include "service/timing.h"
+
+namespace forewalk::cli {
+namespace {
+
+struct SimulateOptions {
+  std::filesystem::path config;
+  std::filesystem::path trace;
+  std::filesystem::path summary;
+  bool untimed = false;
+};
+
+tl::expected<service::LoadedSimulation, Error> load(const SimulateOptions& options) {
+  service::ProgressBar bar("building the scene");
+  navmesh::BuildRun run;
+  run.forEach = service::onThreads(0);
+  run.progress = [&](std::size_t done, std::size_t total) { bar.update(done, total); };
+  return service::loadSimulation(options.config, run);
+}
+
+tl::expected<void, Error> run(const SimulateOptions& options) {
+  auto loaded = load(options);
+  if (!loaded) return tl::unexpected(std::move(loaded.error()));
+  loaded->config.keepFrames = !options.trace.empty();
+  std::optional<service::ProgressBar> bar("walking");
+  const service::Stopwatch watch;
+  rdw::SimulationRun simulation;
+  if (!options.untimed) simulation.microseconds = [&] { return watch.microseconds(); };
+  simulation.progress = [&](double done) {
+    bar->update(static_cast<std::size_t>(1000.0 * done), 1000);
+  };
+  const auto result = rdw::simulate(loaded->world, loaded->config, simulation);
+  bar.reset();
+  if (!result) return tl::unexpected(result.error());
+  if (!options.trace.empty()) {
+    if (auto written = service::writeFile(options.trace, rdw::traceCsv(result->frames)); !written) {
+      return written;
+    }
+  }
+  const rdw::Summary& summary = result->summary;
+  if (!options.summary.empty()) {
+    if (auto written = service::writeFile(options.summary, rdw::summaryJson(summary)); !written) {
+      return written;
+    }
+  }
+  if (options.trace == "-" || options.summary == "-") return {};  // stdout is taken
+  fmt::print("{}: {:.1f} m in {:.1f} s, {} resets ({:.2f} per 100 m), ended: {}\n",
+             summary.controller, summary.virtualMetres, summary.seconds, summary.resets,
+             summary.resetsPer100Metres(), rdw::nameOf(summary.end));
+  return {};
+}
+
+}  // namespace
+
+Verb addSimulate(CLI::App& program) {
+  CLI::App* verb =
+      program.add_subcommand("simulate", "Walk a simulated user, and record what happened");
+  const auto options = std::make_shared<SimulateOptions>();
+  verb->add_option("CONFIG", options->config,
+                   "forewalk.simulation/1: scene, tracked space, limits, controller, user, seed")
+      ->required();
+  verb->add_option("--trace", options->trace, "CSV to write, a row per frame; - is stdout");
+  verb->add_option("--summary", options->summary,
+                   "JSON to write, the walk in numbers; - is stdout");
+  verb->add_flag("--untimed", options->untimed,
+                 "Leave the times out, so that equal walks give equal files");
+  verb->footer(
+      "Example: a CONFIG that walks 200 m through an office in a 6 m x 6 m room\n"
+      "  {\"format\": \"forewalk.simulation/1\", \"scene\": \"office.obj\",\n"
+      "   \"space\": {\"rectangle\": [6, 6]}, \"limits\": \"laboratory\",\n"
+      "   \"controller\": \"s2c-predictive\", \"seed\": 1, \"stop\": {\"virtual_m\": 200},\n"
+      "   \"user\": {\"kind\": \"wander\"}}\n"
+      "  forewalk simulate walk.json --trace walk.csv --summary summary.json\n"
+      "Files that CONFIG names lie beside it. Every key is described in rdw/simulation_config.h.");
+  return {verb, [options] { return run(*options); }};
+}
+
+}  // namespace forewalk::cli

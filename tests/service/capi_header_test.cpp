@@ -1,0 +1,148 @@
+// What others have compiled against: names, sizes, places. A change here breaks them.
+#include "tests/service/capi_header.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "forewalk.h"
+
+namespace {
+
+std::string outputOf(const std::string& command) {
+  std::string output;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  char chunk[4096];
+  while (pipe != nullptr) {
+    const std::size_t got = std::fread(chunk, 1, sizeof chunk, pipe);
+    if (got == 0) break;
+    output.append(chunk, got);
+  }
+  if (pipe != nullptr) pclose(pipe);
+  return output;
+}
+
+TEST(Library, ShowsTheseNamesAndNoOther) {
+  const std::vector<std::string> expected = {
+      "forewalk_build_settings_init",   "forewalk_frame",
+      "forewalk_graph",                 "forewalk_last_error",
+      "forewalk_navmesh_from_file",     "forewalk_navmesh_from_fwmesh",
+      "forewalk_navmesh_from_triangles", "forewalk_navmesh_polygon_count",
+      "forewalk_navmesh_release",       "forewalk_navmesh_retain",
+      "forewalk_navmesh_save",          "forewalk_session_create",
+      "forewalk_session_destroy",       "forewalk_session_settings_init",
+      "forewalk_session_teleport",      "forewalk_version",
+  };
+  std::istringstream lines(outputOf(std::string(FOREWALK_NM) + " -D --defined-only " + FOREWALK_LIBRARY));
+  std::vector<std::string> shown;
+  for (std::string address, kind, name; lines >> address >> kind >> name;) shown.push_back(name);
+  std::sort(shown.begin(), shown.end());
+  EXPECT_EQ(shown, expected);
+}
+
+TEST(Header, LaysItsStructsOutAsEver) {
+  if (sizeof(void*) != 8) GTEST_SKIP() << "the list is for 64 bits";
+  EXPECT_EQ(sizeof(forewalk_vec3), 12u);
+  EXPECT_EQ(sizeof(forewalk_quat), 16u);
+  EXPECT_EQ(sizeof(forewalk_pose), 28u);
+  EXPECT_EQ(sizeof(forewalk_point2), 8u);
+
+  EXPECT_EQ(sizeof(forewalk_build_settings), 44u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, struct_size), 0u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, z_up), 4u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, metres_per_unit), 8u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, radius), 12u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, height), 16u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, climb), 20u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, slope), 24u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, cell), 28u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, cell_height), 32u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, tile), 36u);
+  EXPECT_EQ(offsetof(forewalk_build_settings, partition), 40u);
+
+  EXPECT_EQ(sizeof(forewalk_session_settings), 136u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, axes), 4u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, controller), 8u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, limits), 12u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, horizon), 16u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, border), 24u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, border_count), 32u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, width), 40u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, depth), 44u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, hole_points), 48u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, hole_sizes), 56u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, hole_count), 64u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, has_start), 72u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, start_floor), 76u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, start_heading), 88u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, translation_min), 92u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, curvature_max), 108u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, bending_max), 116u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, polygon_limit), 120u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, resets), 124u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, always_predict), 128u);
+
+  EXPECT_EQ(sizeof(forewalk_frame_out), 100u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, flags), 4u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, virtual_pose), 8u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, translation), 36u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, injected_yaw), 52u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, injected_translation), 56u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, resetting), 68u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, instruction), 72u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, reset_remaining), 76u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, reset_turned), 80u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, reset_count), 84u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, graph_nodes), 88u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, predict_seconds), 92u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, steer_seconds), 96u);
+
+  EXPECT_EQ(sizeof(forewalk_node), 28u);
+  EXPECT_EQ(offsetof(forewalk_node, distance), 12u);
+  EXPECT_EQ(offsetof(forewalk_node, prev), 16u);
+  EXPECT_EQ(offsetof(forewalk_node, polygon), 20u);
+  EXPECT_EQ(offsetof(forewalk_node, kind), 24u);
+  EXPECT_EQ(offsetof(forewalk_node, branch), 26u);
+
+  EXPECT_EQ(sizeof(forewalk_edge), 24u);
+  EXPECT_EQ(offsetof(forewalk_edge, length), 8u);
+  EXPECT_EQ(offsetof(forewalk_edge, path_start), 12u);
+  EXPECT_EQ(offsetof(forewalk_edge, loop), 20u);
+
+  EXPECT_EQ(sizeof(forewalk_graph_view), 48u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, nodes), 8u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, edge_count), 16u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, edges), 24u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, points), 32u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, complete_to), 44u);
+}
+
+TEST(Header, MeansTheSameInCAndInCpp) {
+  const std::vector<std::size_t> here = {
+      sizeof(forewalk_vec3),      sizeof(forewalk_quat), sizeof(forewalk_pose),
+      sizeof(forewalk_build_settings), sizeof(forewalk_point2), sizeof(forewalk_session_settings),
+      sizeof(forewalk_frame_out), sizeof(forewalk_node), sizeof(forewalk_edge),
+      sizeof(forewalk_graph_view)};
+  EXPECT_EQ(std::vector<std::size_t>(capi_sizes_in_c, capi_sizes_in_c + capi_size_count), here);
+}
+
+TEST(Header, ServesAProgramInC) {
+  forewalk_frame_out out{};
+  ASSERT_EQ(capi_walk_in_c(&out), FOREWALK_OK) << forewalk_last_error();
+  EXPECT_EQ(out.flags, static_cast<std::uint32_t>(FOREWALK_FLAG_FIRST_FRAME));
+  EXPECT_EQ(out.virtual_pose.position.y, 1.7f);
+}
+
+TEST(Library, SaysTheVersionOfItsHeader) {
+  EXPECT_EQ(forewalk_version(), (FOREWALK_VERSION_MAJOR << 16) + (FOREWALK_VERSION_MINOR << 8) +
+                                    FOREWALK_VERSION_PATCH);
+  EXPECT_EQ(std::to_string(FOREWALK_VERSION_MAJOR) + "." + std::to_string(FOREWALK_VERSION_MINOR) +
+                "." + std::to_string(FOREWALK_VERSION_PATCH),
+            FOREWALK_PROJECT_VERSION);
+}
+
+}  // namespace

@@ -1,0 +1,691 @@
+// The C interface against the library below it, and against whatever else may come in.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "navmesh/locate.h"
+#include "rdw/session.h"
+#include "tests/service/capi_support.h"
+
+namespace forewalk::capi {
+namespace {
+
+using testing::defaultSettings;
+using testing::frame;
+using testing::makeNavMesh;
+using testing::makeSession;
+using testing::NavMeshHandle;
+using testing::SessionHandle;
+using testing::TimedHead;
+using testing::wander;
+
+constexpr const char* kControllers[] = {"none", "s2c", "s2o", "s2c-predictive", "s2o-predictive"};
+
+forewalk_session_settings inTheWestRoom() {
+  forewalk_session_settings settings = defaultSettings();
+  settings.has_start = 1;
+  settings.start_floor = {3.0f, 0.0f, 2.0f};
+  settings.start_heading = 0.3f;
+  return settings;
+}
+
+template <typename T>
+std::array<unsigned char, sizeof(T)> bytesOf(const T& value) {
+  std::array<unsigned char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), &value, sizeof value);
+  return bytes;
+}
+
+TEST(Session, GivesTheBytesOfTheLibrary) {
+  for (const navmesh::Scene& scene : {testing::twoRooms(0.9f), testing::twoStoreys()}) {
+    const NavMeshHandle navmesh = makeNavMesh(scene);
+    const auto world = testing::makeWorld(scene);
+    ASSERT_EQ(forewalk_navmesh_polygon_count(navmesh.get()), world->graph.polygonCount());
+    for (forewalk_controller controller = 0; controller < 5; ++controller) {
+      forewalk_session_settings settings = inTheWestRoom();
+      settings.controller = controller;
+      settings.limits = FOREWALK_LIMITS_LABORATORY;
+      const SessionHandle session = makeSession(navmesh, settings);
+
+      rdw::SessionSettings same;
+      same.space = *rdw::TrackedSpace::rectangle(4.0, 4.0);
+      same.controller = kControllers[controller];
+      same.limits = *rdw::gainLimitsByName("laboratory");
+      same.start = rdw::VirtualStart{{3.0f, 0.0f, 2.0f}, 0.3f};
+      auto library = rdw::Session::make(world, same);
+      ASSERT_TRUE(library) << library.error().message;
+
+      std::uint32_t resets = 0;
+      for (const TimedHead& head : wander(5, 3000)) {
+        const forewalk_frame_out out = frame(session, head);
+        const rdw::FrameResult& result = library->frame(head.pose, head.seconds);
+        const auto& [p, q] = result.virtualPose;
+        const forewalk_pose pose{{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}};
+        ASSERT_EQ(bytesOf(out.virtual_pose), bytesOf(pose));
+        ASSERT_EQ(out.flags, result.flags);
+        ASSERT_EQ(out.translation, result.gains.translation);
+        ASSERT_EQ(out.rotation, result.gains.rotation);
+        ASSERT_EQ(out.curvature, result.gains.curvature);
+        ASSERT_EQ(out.bending, result.gains.bending);
+        ASSERT_EQ(out.injected_yaw, static_cast<float>(result.injectedYaw));
+        ASSERT_EQ(out.injected_translation.x, static_cast<float>(result.injectedTranslation.x));
+        ASSERT_EQ(out.injected_translation.z, -static_cast<float>(result.injectedTranslation.y));
+        ASSERT_EQ(out.resetting != 0, result.reset.turning);
+        ASSERT_EQ(out.instruction, static_cast<int>(result.reset.instruction));
+        ASSERT_EQ(out.reset_remaining, static_cast<float>(result.reset.remaining));
+        ASSERT_EQ(out.reset_turned, static_cast<float>(result.reset.progress));
+        ASSERT_EQ(out.graph_nodes, result.graph->nodes.size());
+        resets = out.reset_count;
+        ASSERT_EQ(resets, result.resetCount);
+      }
+      EXPECT_GT(resets, 0u);
+    }
+  }
+}
+
+float lengthOnPlan(std::span<const forewalk_vec3> points) {
+  float length = 0.0f;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    length += std::hypot(points[i].x - points[i - 1].x, points[i].z - points[i - 1].z);
+  }
+  return length;
+}
+
+TEST(Graph, IsTheLibrarysWithItsPathsOnTheFloor) {
+  const navmesh::Scene scene = testing::twoStoreys();
+  const NavMeshHandle navmesh = makeNavMesh(scene);
+  const auto world = testing::makeWorld(scene);
+  forewalk_session_settings settings = inTheWestRoom();
+  settings.horizon = 25.0f;
+  const SessionHandle session = makeSession(navmesh, settings);
+  prediction::Scratch scratch(world->graph);
+  forewalk_graph_view view{};
+  view.struct_size = sizeof view;
+  ASSERT_EQ(forewalk_graph(session.get(), &view), FOREWALK_OK);
+  EXPECT_EQ(view.node_count, 0u);  // no frame yet
+
+  rdw::SessionSettings same;
+  same.space = *rdw::TrackedSpace::rectangle(4.0, 4.0);
+  same.horizon = 25.0f;
+  same.start = rdw::VirtualStart{{3.0f, 0.0f, 2.0f}, 0.3f};
+  auto library = rdw::Session::make(world, same);
+  float highest = 0.0f;
+  int frames = 0;
+  for (const TimedHead& head : wander(6, 900)) {
+    const forewalk_frame_out out = frame(session, head);
+    const prediction::PredictionGraph& graph = *library->frame(head.pose, head.seconds).graph;
+    if (frames++ % 30 != 0) continue;
+    ASSERT_EQ(forewalk_graph(session.get(), &view), FOREWALK_OK);
+    EXPECT_EQ(view.struct_size, sizeof view);
+    EXPECT_EQ(view.horizon, 25.0f);
+    EXPECT_EQ(view.complete_to, graph.completeTo);
+    ASSERT_EQ(view.node_count, out.graph_nodes);
+    ASSERT_EQ(view.node_count, graph.nodes.size());
+    ASSERT_EQ(view.edge_count, graph.edges.size());
+    for (std::uint32_t i = 0; i < view.node_count; ++i) {
+      const forewalk_node& node = view.nodes[i];
+      const prediction::Node& expected = graph.nodes[i];
+      EXPECT_EQ(bytesOf(node.position), bytesOf(expected.position()));
+      EXPECT_EQ(node.distance, expected.distance);
+      EXPECT_EQ(node.prev, prediction::index(expected.prev));
+      EXPECT_EQ(node.polygon, navmesh::index(expected.polygon));
+      EXPECT_EQ(node.kind, static_cast<int>(expected.kind));
+      EXPECT_EQ(node.reason, static_cast<int>(expected.reason));
+      EXPECT_EQ(node.branch != 0, expected.branch);
+    }
+    std::uint32_t next = 0;
+    for (std::uint32_t i = 0; i < view.edge_count; ++i) {
+      const forewalk_edge& edge = view.edges[i];
+      EXPECT_EQ(edge.from, prediction::index(graph.edges[i].from));
+      EXPECT_EQ(edge.to, prediction::index(graph.edges[i].to));
+      EXPECT_EQ(edge.loop != 0, graph.edges[i].kind == prediction::EdgeKind::kLoop);
+      EXPECT_EQ(edge.length, graph.edges[i].length);
+      ASSERT_EQ(edge.path_start, next);
+      next += edge.path_count;
+      ASSERT_LE(next, view.point_count);
+      const std::span<const forewalk_vec3> path(view.points + edge.path_start, edge.path_count);
+      EXPECT_NEAR(lengthOnPlan(path), edge.length, 1e-3f);
+      const forewalk_vec3 from = view.nodes[edge.from].position, to = view.nodes[edge.to].position;
+      EXPECT_NEAR(path.front().x, from.x, 1e-4f);
+      EXPECT_NEAR(path.front().z, from.z, 1e-4f);
+      EXPECT_NEAR(path.back().x, to.x, 1e-4f);
+      EXPECT_NEAR(path.back().z, to.z, 1e-4f);
+      for (const forewalk_vec3& point : path) {
+        // The floor lies within the 2 cm by which a lifted path may leave it.
+        EXPECT_TRUE(navmesh::locate(world->graph, world->locations, {point.x, point.y, point.z},
+                                    {0.01f, 0.03f, 0.03f}))
+            << point.x << " " << point.y << " " << point.z;
+        highest = std::max(highest, point.y);
+      }
+    }
+    EXPECT_EQ(next, view.point_count);
+    // Asked again in the same frame it is the same.
+    forewalk_graph_view again{};
+    again.struct_size = sizeof again;
+    ASSERT_EQ(forewalk_graph(session.get(), &again), FOREWALK_OK);
+    EXPECT_EQ(bytesOf(again), bytesOf(view));
+  }
+  EXPECT_NEAR(highest, 3.0f, 0.1f);  // some way led up the stairs
+}
+
+// --- what is refused
+
+struct Refusal {
+  const char* what;
+  std::function<void(forewalk_session_settings&)> spoil;
+  forewalk_status status;
+};
+
+TEST(Session, RefusesSettingsThatCannotWork) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  const float nan = std::nanf("");
+  static const forewalk_point2 square[] = {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
+  static const std::size_t noPoints[] = {0};
+  static const std::size_t wild[] = {std::numeric_limits<std::size_t>::max()};
+  const Refusal refusals[] = {
+      {"axes", [](auto& s) { s.axes = 3; }, FOREWALK_ERROR_ARGUMENT},
+      {"axes", [](auto& s) { s.axes = -1; }, FOREWALK_ERROR_ARGUMENT},
+      {"controller", [](auto& s) { s.controller = 5; }, FOREWALK_ERROR_ARGUMENT},
+      {"controller", [](auto& s) { s.controller = -1; }, FOREWALK_ERROR_ARGUMENT},
+      {"limits", [](auto& s) { s.limits = 5; }, FOREWALK_ERROR_ARGUMENT},
+      {"horizon", [](auto& s) { s.horizon = 0; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"horizon", [&](auto& s) { s.horizon = nan; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"horizon", [](auto& s) { s.horizon = 1e30f; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"", [](auto& s) { s.width = -4; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"", [&](auto& s) { s.depth = nan; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"", [](auto& s) { s.axes = FOREWALK_AXES_UNREAL, s.width = 4; },
+       FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"null", [](auto& s) { s.border_count = 4; }, FOREWALK_ERROR_ARGUMENT},
+      {"", [](auto& s) { s.border = square, s.border_count = 2; }, FOREWALK_ERROR_DATA_DAMAGED},
+      {"4096", [](auto& s) { s.border = square, s.border_count = SIZE_MAX; },
+       FOREWALK_ERROR_TOO_LARGE},
+      {"null", [](auto& s) { s.hole_count = 1; }, FOREWALK_ERROR_ARGUMENT},
+      {"border", [](auto& s) { s.hole_points = square, s.hole_sizes = noPoints, s.hole_count = 1; },
+       FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"",
+       [](auto& s) {
+         s.border = square, s.border_count = 4;
+         s.hole_points = square, s.hole_sizes = noPoints, s.hole_count = 1;
+       },
+       FOREWALK_ERROR_DATA_DAMAGED},
+      {"4096",
+       [](auto& s) {
+         s.border = square, s.border_count = 4;
+         s.hole_points = square, s.hole_sizes = wild, s.hole_count = 1;
+       },
+       FOREWALK_ERROR_TOO_LARGE},
+      {"start", [](auto& s) { s.has_start = 1, s.start_floor = {500, 0, 0}; },
+       FOREWALK_ERROR_POSITION_OFF_NAVMESH},
+      {"", [&](auto& s) { s.has_start = 1, s.start_floor = {nan, nan, nan}; },
+       FOREWALK_ERROR_POSITION_OFF_NAVMESH},
+      {"", [](auto& s) { s.limits = FOREWALK_LIMITS_CUSTOM, s.rotation_min = 2; },
+       FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"", [](auto& s) { s.limits = FOREWALK_LIMITS_CUSTOM, s.bending_max = 0; },
+       FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"polygon", [](auto& s) { s.polygon_limit = 0; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"struct_size", [](auto& s) { s.struct_size = 0; }, FOREWALK_ERROR_ARGUMENT},
+      {"struct_size", [](auto& s) { s.struct_size -= 4; }, FOREWALK_ERROR_ARGUMENT},
+      {"struct_size", [](auto& s) { s.struct_size = 0xccccccccu; }, FOREWALK_ERROR_ARGUMENT},
+  };
+  for (const Refusal& refusal : refusals) {
+    forewalk_session_settings settings = defaultSettings();
+    refusal.spoil(settings);
+    auto* session = reinterpret_cast<forewalk_session*>(0x1);
+    EXPECT_EQ(forewalk_session_create(navmesh.get(), &settings, &session), refusal.status)
+        << refusal.what << ": " << forewalk_last_error();
+    EXPECT_EQ(session, nullptr);
+    EXPECT_NE(std::string(forewalk_last_error()).find(refusal.what), std::string::npos)
+        << forewalk_last_error();
+  }
+  // What is absurd, but can be.
+  forewalk_session_settings settings = defaultSettings();
+  settings.polygon_limit = std::numeric_limits<std::uint32_t>::max();
+  settings.horizon = 1000.0f;
+  settings.has_start = 1;
+  settings.start_floor = {3, 0, 2};
+  settings.start_heading = 1e30f;
+  EXPECT_TRUE(testing::isFinite(frame(makeSession(navmesh, settings), {})));
+}
+
+TEST(NavMesh, RefusesSettingsThatCannotWork) {
+  const testing::SceneArrays scene = testing::arraysOf(testing::twoRooms(0.9f));
+  const auto refused = [&](const std::function<void(forewalk_build_settings&)>& spoil) {
+    forewalk_build_settings settings;
+    forewalk_build_settings_init(&settings);
+    spoil(settings);
+    auto* navmesh = reinterpret_cast<forewalk_navmesh*>(0x1);
+    const forewalk_status status = forewalk_navmesh_from_triangles(
+        scene.vertices.data(), scene.vertices.size() / 3, scene.indices.data(),
+        scene.indices.size(), FOREWALK_AXES_OPENXR, &settings, &navmesh);
+    EXPECT_EQ(navmesh, nullptr);
+    return status;
+  };
+  EXPECT_EQ(refused([](auto& s) { s.struct_size = 8; }), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(refused([](auto& s) { s.partition = 3; }), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(refused([](auto& s) { s.cell = 0; }), FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
+  EXPECT_EQ(refused([](auto& s) { s.metres_per_unit = -1; }), FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
+  EXPECT_EQ(refused([](auto& s) { s.slope = std::nanf(""); }), FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
+  EXPECT_EQ(refused([](auto& s) { s.radius = 3; }), FOREWALK_ERROR_NOTHING_WALKABLE);
+}
+
+TEST(NavMesh, RefusesTrianglesThatAreNone) {
+  testing::SceneArrays scene = testing::arraysOf(testing::twoRooms(0.9f));
+  forewalk_navmesh* navmesh = nullptr;
+  const auto build = [&](std::size_t indexCount, forewalk_axes axes = FOREWALK_AXES_OPENXR) {
+    return forewalk_navmesh_from_triangles(scene.vertices.data(), scene.vertices.size() / 3,
+                                           scene.indices.data(), indexCount, axes, nullptr, &navmesh);
+  };
+  EXPECT_EQ(build(0), FOREWALK_ERROR_SCENE_EMPTY);
+  EXPECT_EQ(build(5), FOREWALK_ERROR_DATA_DAMAGED);
+  EXPECT_EQ(build(6, 7), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(build(SIZE_MAX), FOREWALK_ERROR_TOO_LARGE);
+  // Seen from below there is no floor.
+  EXPECT_EQ(build(scene.indices.size(), FOREWALK_AXES_UNITY), FOREWALK_ERROR_NOTHING_WALKABLE);
+  scene.indices[4] = 4000000000u;
+  EXPECT_EQ(build(6), FOREWALK_ERROR_DATA_DAMAGED);
+  EXPECT_NE(std::string(forewalk_last_error()).find("4000000000"), std::string::npos);
+  scene.indices[4] = 0;
+  scene.vertices[1] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(build(6), FOREWALK_ERROR_DATA_DAMAGED);
+  EXPECT_EQ(navmesh, nullptr);
+}
+
+TEST(Interface, RefusesNull) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  const SessionHandle session = makeSession(navmesh, defaultSettings());
+  const testing::SceneArrays scene = testing::arraysOf(testing::twoRooms(0.9f));
+  forewalk_navmesh* made = nullptr;
+  forewalk_session* opened = nullptr;
+  forewalk_frame_out out{};
+  out.struct_size = sizeof out;
+  std::size_t size = 0;
+  const float* v = scene.vertices.data();
+  const std::uint32_t* i = scene.indices.data();
+  EXPECT_EQ(forewalk_navmesh_from_file(nullptr, nullptr, &made), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_file("x.obj", nullptr, nullptr), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_triangles(nullptr, 4, i, 6, 0, nullptr, &made), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_triangles(v, 4, nullptr, 6, 0, nullptr, &made), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_triangles(v, 4, i, 6, 0, nullptr, nullptr), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_triangles(nullptr, 0, nullptr, 0, 0, nullptr, &made), FOREWALK_ERROR_SCENE_EMPTY);
+  EXPECT_EQ(forewalk_navmesh_from_fwmesh(nullptr, 10, &made), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_fwmesh("FWMESH", 6, nullptr), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_save(nullptr, nullptr, &size), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_save(navmesh.get(), nullptr, nullptr), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_session_create(nullptr, nullptr, &opened), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_session_create(navmesh.get(), nullptr, nullptr), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_frame(nullptr, {}, {}, 0, &out), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_frame(session.get(), {}, {}, 0, nullptr), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_session_teleport(nullptr, {}, 0), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_graph(session.get(), nullptr), FOREWALK_ERROR_ARGUMENT);
+  forewalk_graph_view view{};
+  view.struct_size = sizeof view;
+  EXPECT_EQ(forewalk_graph(nullptr, &view), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_NE(std::string(forewalk_last_error()), "");
+  EXPECT_EQ(forewalk_navmesh_polygon_count(nullptr), 0u);
+  forewalk_navmesh_retain(nullptr);
+  forewalk_navmesh_release(nullptr);
+  forewalk_session_destroy(nullptr);
+  forewalk_build_settings_init(nullptr);
+  forewalk_session_settings_init(nullptr);
+  // Null settings are the defaults.
+  EXPECT_EQ(forewalk_session_create(navmesh.get(), nullptr, &opened), FOREWALK_OK);
+  forewalk_session_destroy(opened);
+}
+
+// --- structs of other versions
+
+struct NewerFrameOut {
+  forewalk_frame_out known;
+  std::uint32_t added[8];
+};
+struct NewerSettings {
+  forewalk_session_settings known;
+  std::uint64_t added[8];
+};
+
+TEST(Structs, OfANewerCallerAreFilledAsFarAsTheyAreKnown) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  NewerSettings settings;
+  std::memset(&settings, 0xab, sizeof settings);
+  settings.known = inTheWestRoom();
+  settings.known.struct_size = sizeof settings;
+  const SessionHandle session = makeSession(navmesh, settings.known);
+  const SessionHandle same = makeSession(navmesh, inTheWestRoom());
+  NewerFrameOut out;
+  std::memset(&out, 0xcd, sizeof out);
+  out.known.struct_size = sizeof out;
+  const TimedHead head = wander(7, 1).front();
+  const auto& [p, q] = head.pose;
+  ASSERT_EQ(forewalk_frame(session.get(), {p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}, 0.0, &out.known),
+            FOREWALK_OK);
+  const forewalk_frame_out expected = frame(same, {head.pose, 0.0});
+  EXPECT_EQ(bytesOf(out.known.virtual_pose), bytesOf(expected.virtual_pose));
+  EXPECT_EQ(out.known.graph_nodes, expected.graph_nodes);
+  EXPECT_EQ(out.known.struct_size, sizeof out);
+  for (const std::uint32_t word : out.added) EXPECT_EQ(word, 0xcdcdcdcdu);
+}
+
+TEST(Structs, OfSizesThatNoVersionHadAreLeftAlone) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  const SessionHandle session = makeSession(navmesh, inTheWestRoom());
+  for (const std::uint32_t size : {0u, 4u, 36u, 99u, 4097u, 0xffffffffu}) {
+    forewalk_frame_out out;
+    std::memset(&out, 0xcd, sizeof out);
+    out.struct_size = size;
+    const auto before = bytesOf(out);
+    EXPECT_EQ(forewalk_frame(session.get(), {0, 1.7f, 0}, {0, 0, 0, 1}, 0.0, &out), FOREWALK_ERROR_ARGUMENT);
+    EXPECT_EQ(bytesOf(out), before);
+    forewalk_graph_view view;
+    std::memset(&view, 0xcd, sizeof view);
+    view.struct_size = size == 99u ? 47u : size;
+    EXPECT_EQ(forewalk_graph(session.get(), &view), FOREWALK_ERROR_ARGUMENT);
+  }
+  // The frame did not take place.
+  EXPECT_NE(frame(session, {}).flags & FOREWALK_FLAG_FIRST_FRAME, 0u);
+}
+
+// --- odd frames
+
+TEST(Frame, ReportsOddInputAndGoesOn) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
+  const double nand = std::nan("");
+  struct Odd {
+    forewalk_vec3 position;
+    forewalk_quat orientation;
+    double after;  // seconds
+    std::uint32_t flag;
+  };
+  const forewalk_vec3 here{0, 1.7f, 0};
+  const forewalk_quat ahead{0, 0, 0, 1};
+  const Odd odds[] = {
+      {{nan, 1.7f, 0}, ahead, 0.01, FOREWALK_FLAG_POSE_NOT_FINITE},
+      {{0, inf, 0}, ahead, 0.01, FOREWALK_FLAG_POSE_NOT_FINITE},
+      {{0, 1.7f, -3e38f}, ahead, 0.01, FOREWALK_FLAG_POSE_NOT_FINITE},
+      {{500.0f, 1.7f, 0}, ahead, 0.01, FOREWALK_FLAG_TRACKING_JUMP},
+      {here, {0, 0, 0, 0}, 0.01, FOREWALK_FLAG_ORIENTATION_UNUSABLE},
+      {here, {nan, nan, nan, nan}, 0.01, FOREWALK_FLAG_ORIENTATION_UNUSABLE},
+      {here, {inf, 0, 0, 1}, 0.01, FOREWALK_FLAG_ORIENTATION_UNUSABLE},
+      {here, {0, 0, 0, 7}, 0.01, FOREWALK_FLAG_ORIENTATION_NOT_UNIT},
+      {here, {0, 3e38f, 0, 3e38f}, 0.01, FOREWALK_FLAG_ORIENTATION_UNUSABLE},
+      {here, {0, 1e-4f, 0, 1e-4f}, 0.01, FOREWALK_FLAG_ORIENTATION_NOT_UNIT},
+      {here, ahead, 0.0, FOREWALK_FLAG_TIME_STOOD_STILL},
+      {here, ahead, -5.0, FOREWALK_FLAG_TIME_RAN_BACKWARDS},
+      {here, ahead, nand, FOREWALK_FLAG_TIME_RAN_BACKWARDS},
+      {here, ahead, 1e9, FOREWALK_FLAG_TIME_GAP},
+  };
+  for (forewalk_axes axes = 0; axes < 3; ++axes) {
+    for (const Odd& odd : odds) {
+      forewalk_session_settings settings = defaultSettings();
+      settings.axes = axes;
+      const SessionHandle session = makeSession(navmesh, settings);
+      forewalk_frame_out out{};
+      out.struct_size = sizeof out;
+      double seconds = 100.0;
+      const float unit = axes == FOREWALK_AXES_UNREAL ? 100.0f : 1.0f;
+      const auto step = [&](forewalk_vec3 p, const forewalk_quat& q, double time) {
+        if (axes == FOREWALK_AXES_UNREAL) p = {-unit * p.z, unit * p.x, unit * p.y};
+        EXPECT_EQ(forewalk_frame(session.get(), p, q, time, &out), FOREWALK_OK);
+        EXPECT_TRUE(testing::isFinite(out));
+      };
+      for (int i = 0; i < 5; ++i) step(here, ahead, seconds += 0.01);
+      step(odd.position, odd.orientation, seconds + odd.after);
+      EXPECT_EQ(out.flags & odd.flag, odd.flag) << "axes " << axes << ", flags " << out.flags;
+      // From a new beginning the session is as usable as ever.
+      for (int i = 0; i < 5; ++i) step(here, ahead, seconds = 2e9 + i * 0.01);
+      constexpr std::uint32_t kOdd = FOREWALK_FLAG_TIME_STOOD_STILL |
+                                     FOREWALK_FLAG_TIME_RAN_BACKWARDS | FOREWALK_FLAG_TIME_GAP |
+                                     FOREWALK_FLAG_TRACKING_JUMP | FOREWALK_FLAG_POSE_NOT_FINITE |
+                                     FOREWALK_FLAG_ORIENTATION_NOT_UNIT |
+                                     FOREWALK_FLAG_ORIENTATION_UNUSABLE;
+      EXPECT_EQ(out.flags & kOdd, 0u);
+      EXPECT_LE(std::abs(out.virtual_pose.orientation.w), 1.0f + 1e-3f);
+    }
+  }
+}
+
+TEST(Frame, IsSafeBeforeAnyPoseWasSound) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  const SessionHandle session = makeSession(navmesh, defaultSettings());
+  const float nan = std::nanf("");
+  forewalk_frame_out out{};
+  out.struct_size = sizeof out;
+  EXPECT_EQ(forewalk_frame(session.get(), {nan, nan, nan}, {nan, nan, nan, nan}, std::nan(""), &out),
+            FOREWALK_OK);
+  EXPECT_TRUE(testing::isFinite(out));
+  forewalk_graph_view view{};
+  view.struct_size = sizeof view;
+  EXPECT_EQ(forewalk_graph(session.get(), &view), FOREWALK_OK);
+}
+
+// --- ownership
+
+TEST(NavMesh, MayBeReleasedBeforeItsSessions) {
+  NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  const SessionHandle first = makeSession(navmesh, inTheWestRoom());
+  const SessionHandle second = makeSession(navmesh, inTheWestRoom());
+  forewalk_navmesh_retain(navmesh.get());
+  forewalk_navmesh_release(navmesh.get());
+  navmesh.reset();
+  for (const TimedHead& head : wander(8, 200)) {
+    EXPECT_EQ(bytesOf(frame(first, head).virtual_pose), bytesOf(frame(second, head).virtual_pose));
+  }
+}
+
+std::vector<unsigned char> saved(const NavMeshHandle& navmesh) {
+  std::size_t size = 0;
+  EXPECT_EQ(forewalk_navmesh_save(navmesh.get(), nullptr, &size), FOREWALK_OK);
+  std::vector<unsigned char> bytes(size);
+  EXPECT_EQ(forewalk_navmesh_save(navmesh.get(), bytes.data(), &size), FOREWALK_OK);
+  EXPECT_EQ(size, bytes.size());
+  return bytes;
+}
+
+TEST(NavMesh, IsTheSameAfterSavingAndLoading) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoStoreys());
+  std::vector<unsigned char> bytes = saved(navmesh);
+  forewalk_navmesh* loaded = nullptr;
+  ASSERT_EQ(forewalk_navmesh_from_fwmesh(bytes.data(), bytes.size(), &loaded), FOREWALK_OK);
+  const NavMeshHandle again(loaded);
+  EXPECT_EQ(saved(again), bytes);
+  EXPECT_EQ(forewalk_navmesh_polygon_count(loaded), forewalk_navmesh_polygon_count(navmesh.get()));
+
+  std::size_t small = bytes.size() - 1;
+  EXPECT_EQ(forewalk_navmesh_save(navmesh.get(), bytes.data(), &small), FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(small, bytes.size());
+
+  for (std::size_t size = 0; size < bytes.size(); size += 1 + bytes.size() / 97) {
+    const std::vector<unsigned char> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    forewalk_navmesh* none = nullptr;
+    EXPECT_NE(forewalk_navmesh_from_fwmesh(cut.data(), cut.size(), &none), FOREWALK_OK) << size;
+    EXPECT_EQ(none, nullptr);
+  }
+}
+
+TEST(NavMesh, IsReadFromFiles) {
+  const std::string scene = std::string(FOREWALK_ASSETS) + "/scenes/corridor.obj";
+  forewalk_navmesh* made = nullptr;
+  ASSERT_EQ(forewalk_navmesh_from_file(scene.c_str(), nullptr, &made), FOREWALK_OK)
+      << forewalk_last_error();
+  const NavMeshHandle built(made);
+  EXPECT_GT(forewalk_navmesh_polygon_count(made), 0u);
+
+  const auto folder = std::filesystem::path(::testing::TempDir());
+  const std::string file = (folder / "forewalk capi \xc3\xa4.fwmesh").string();
+  const std::vector<unsigned char> bytes = saved(built);
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  ASSERT_EQ(forewalk_navmesh_from_file(file.c_str(), nullptr, &made), FOREWALK_OK);
+  EXPECT_EQ(saved(NavMeshHandle(made)), bytes);
+  std::filesystem::remove(file);
+
+  EXPECT_EQ(forewalk_navmesh_from_file(file.c_str(), nullptr, &made), FOREWALK_ERROR_FILE_UNREADABLE);
+  EXPECT_EQ(made, nullptr);
+  EXPECT_EQ(forewalk_navmesh_from_file("", nullptr, &made), FOREWALK_ERROR_FORMAT_UNKNOWN);
+  EXPECT_EQ(forewalk_navmesh_from_file("scene.txt", nullptr, &made), FOREWALK_ERROR_FORMAT_UNKNOWN);
+}
+
+TEST(LastError, IsValidUtf8WhateverTheFileIsCalled) {
+  forewalk_navmesh* made = nullptr;
+  EXPECT_NE(forewalk_navmesh_from_file("no \xff\xc3[ such \xe2\x82.obj", nullptr, &made), FOREWALK_OK);
+  const std::string error = forewalk_last_error();
+  EXPECT_NE(error.find("no ??[ such ??.obj"), std::string::npos) << error;
+  EXPECT_NE(forewalk_navmesh_from_file("no s\xc3\xbc\xe2\x82\xacht.obj", nullptr, &made), FOREWALK_OK);
+  EXPECT_NE(std::string(forewalk_last_error()).find("s\xc3\xbc\xe2\x82\xacht.obj"), std::string::npos);
+}
+
+// --- an engine's triangles
+
+TEST(NavMesh, IsTheSameFromEveryEnginesTriangles) {
+  const navmesh::Scene scene = testing::twoRooms(0.875f);
+  testing::SceneArrays ours = testing::arraysOf(scene);
+  // On a grid that centimetres hold.
+  for (float& coordinate : ours.vertices) coordinate = std::round(1024.0f * coordinate) / 1024.0f;
+  testing::SceneArrays unity = ours, unreal = ours, zUp = ours;
+  for (std::size_t i = 0; i < ours.vertices.size(); i += 3) {
+    const float x = ours.vertices[i], y = ours.vertices[i + 1], z = ours.vertices[i + 2];
+    unity.vertices[i + 2] = -z;
+    unreal.vertices[i] = -100.0f * z;
+    unreal.vertices[i + 1] = 100.0f * x;
+    unreal.vertices[i + 2] = 100.0f * y;
+    zUp.vertices[i + 1] = -z;
+    zUp.vertices[i + 2] = y;
+  }
+  for (std::size_t i = 0; i < ours.indices.size(); i += 3) {
+    std::swap(unity.indices[i + 1], unity.indices[i + 2]);
+  }
+  forewalk_build_settings up;
+  forewalk_build_settings_init(&up);
+  up.z_up = 1;
+  const std::vector<unsigned char> expected = saved(makeNavMesh(ours));
+  EXPECT_EQ(saved(makeNavMesh(unity, FOREWALK_AXES_UNITY)), expected);
+  EXPECT_EQ(saved(makeNavMesh(unreal, FOREWALK_AXES_UNREAL)), expected);
+  EXPECT_EQ(saved(makeNavMesh(unreal, FOREWALK_AXES_UNREAL, &up)), expected);  // z_up is not used
+  EXPECT_EQ(saved(makeNavMesh(zUp, FOREWALK_AXES_OPENXR, &up)), expected);
+}
+
+// --- starts, teleports, tracked spaces
+
+TEST(Session, StartsWhereItIsToldInEveryAxes) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  struct Start {
+    forewalk_axes axes;
+    forewalk_vec3 floor;
+    float heading;
+    forewalk_vec3 head;  // physical
+    forewalk_vec3 expected;
+  };
+  const float quarter = static_cast<float>(rdw::kPi) / 2.0f;
+  // Always the west room's middle, looking left.
+  const Start starts[] = {
+      {FOREWALK_AXES_OPENXR, {3, 0, 2}, quarter, {0.5f, 1.7f, 0.5f}, {3, 1.7f, 2}},
+      {FOREWALK_AXES_UNITY, {3, 0, -2}, -quarter, {0.5f, 1.7f, -0.5f}, {3, 1.7f, -2}},
+      {FOREWALK_AXES_UNREAL, {-200, 300, 0}, -quarter, {-50, 50, 170}, {-200, 300, 170}},
+  };
+  for (const Start& start : starts) {
+    forewalk_session_settings settings = defaultSettings();
+    settings.axes = start.axes;
+    settings.has_start = 1;
+    settings.start_floor = start.floor;
+    settings.start_heading = start.heading;
+    const SessionHandle session = makeSession(navmesh, settings);
+    forewalk_frame_out out{};
+    out.struct_size = sizeof out;
+    const auto expectThere = [&] {
+      const forewalk_vec3 p = out.virtual_pose.position;
+      const float unit = start.axes == FOREWALK_AXES_UNREAL ? 100.0f : 1.0f;
+      EXPECT_NEAR(p.x, start.expected.x, 0.06f * unit);  // the floor's height is Recast's
+      EXPECT_NEAR(p.y, start.expected.y, 0.06f * unit);
+      EXPECT_NEAR(p.z, start.expected.z, 0.06f * unit);
+      const forewalk_quat q = out.virtual_pose.orientation;
+      const float axis = start.axes == FOREWALK_AXES_UNREAL ? q.z : q.y;
+      EXPECT_NEAR(2.0f * std::atan2(axis, q.w), start.heading, 1e-5f);
+    };
+    ASSERT_EQ(forewalk_frame(session.get(), start.head, {0, 0, 0, 1}, 0.0, &out), FOREWALK_OK);
+    expectThere();
+    // Elsewhere, and back by teleport.
+    EXPECT_EQ(forewalk_session_teleport(session.get(), {9000, 9000, 9000}, 0.0f),
+              FOREWALK_ERROR_POSITION_OFF_NAVMESH);
+    EXPECT_EQ(forewalk_session_teleport(session.get(), start.floor, std::nanf("")),
+              FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
+    forewalk_vec3 elsewhere = start.head;
+    elsewhere.x += start.axes == FOREWALK_AXES_UNREAL ? 80.0f : 0.8f;
+    ASSERT_EQ(forewalk_frame(session.get(), elsewhere, {0, 0, 0, 1}, 0.1, &out), FOREWALK_OK);
+    ASSERT_EQ(forewalk_session_teleport(session.get(), start.floor, start.heading), FOREWALK_OK);
+    ASSERT_EQ(forewalk_frame(session.get(), elsewhere, {0, 0, 0, 1}, 0.2, &out), FOREWALK_OK);
+    expectThere();
+  }
+}
+
+TEST(Session, TakesATrackedSpaceWithHolesInItsOwnUnit) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  for (const forewalk_axes axes : {FOREWALK_AXES_OPENXR, FOREWALK_AXES_UNITY, FOREWALK_AXES_UNREAL}) {
+    const float u = axes == FOREWALK_AXES_UNREAL ? 100.0f : 1.0f;
+    // Wide to the right, with a pillar ahead on the right.
+    const forewalk_point2 border[] = {{-1 * u, -2 * u}, {5 * u, -2 * u}, {5 * u, 2 * u}, {-1 * u, 2 * u}};
+    const forewalk_point2 holes[] = {{2 * u, 0.5f * u}, {3 * u, 0.5f * u}, {3 * u, 1 * u}, {2 * u, 1 * u},
+                                     {4 * u, -1 * u},   {4.5f * u, -1 * u}, {4 * u, -0.5f * u}};
+    const std::size_t sizes[] = {4, 3};
+    forewalk_session_settings settings = defaultSettings();
+    settings.axes = axes;
+    settings.border = border;
+    settings.border_count = 4;
+    settings.hole_points = holes;
+    settings.hole_sizes = sizes;
+    settings.hole_count = 2;
+    const SessionHandle session = makeSession(navmesh, settings);
+    const auto outside = [&](float right, float forward) {
+      forewalk_frame_out out{};
+      out.struct_size = sizeof out;
+      const forewalk_vec3 head = axes == FOREWALK_AXES_OPENXR  ? forewalk_vec3{right, 1.7f, -forward}
+                                 : axes == FOREWALK_AXES_UNITY ? forewalk_vec3{right, 1.7f, forward}
+                                                               : forewalk_vec3{100 * forward, 100 * right, 170};
+      EXPECT_EQ(forewalk_frame(session.get(), head, {0, 0, 0, 1}, 0.0, &out), FOREWALK_OK);
+      return (out.flags & FOREWALK_FLAG_OUTSIDE_SPACE) != 0;
+    };
+    EXPECT_FALSE(outside(0, 0));
+    EXPECT_FALSE(outside(4.7f, 1.8f));
+    EXPECT_TRUE(outside(-1.5f, 0));
+    EXPECT_TRUE(outside(2.5f, 0.8f));
+    EXPECT_FALSE(outside(2.5f, -0.8f));
+    EXPECT_TRUE(outside(4.1f, -0.9f));
+    EXPECT_FALSE(outside(4.4f, -0.6f));
+  }
+}
+
+TEST(Session, PredictsOnlyWhereAskedIfSetSo) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  forewalk_session_settings settings = inTheWestRoom();
+  settings.always_predict = 0;
+  settings.controller = FOREWALK_CONTROLLER_S2C;
+  EXPECT_EQ(frame(makeSession(navmesh, settings), {}).graph_nodes, 0u);
+  settings.controller = FOREWALK_CONTROLLER_S2C_PREDICTIVE;
+  EXPECT_GT(frame(makeSession(navmesh, settings), {}).graph_nodes, 0u);
+}
+
+TEST(Session, NeverStopsAUserWithoutResets) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  forewalk_session_settings settings = inTheWestRoom();
+  settings.width = settings.depth = 2.0f;
+  settings.resets = 0;
+  const SessionHandle without = makeSession(navmesh, settings);
+  settings.resets = 1;
+  const SessionHandle with = makeSession(navmesh, settings);
+  forewalk_frame_out a{}, b{};
+  for (const TimedHead& head : wander(9, 2000)) {
+    a = frame(without, head);
+    b = frame(with, head);
+  }
+  EXPECT_EQ(a.reset_count, 0u);
+  EXPECT_GT(b.reset_count, 0u);
+}
+
+}  // namespace
+}  // namespace forewalk::capi

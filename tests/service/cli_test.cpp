@@ -1,0 +1,291 @@
+// The forewalk program as a person or a script meets it: exit status, one line on stderr where it
+// refuses, and outputs that keep their schemas.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int status;
+  std::string out;
+  std::string err;
+};
+
+std::string contentsOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void writeTo(const fs::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+class Cli : public ::testing::Test {
+ protected:
+  Cli() {
+    folder_ = fs::temp_directory_path() /
+              ("forewalk_cli_" + std::to_string(getpid()) + "_" +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+    // Two rooms of 4 m x 4 m and a corridor of 6 m x 2 m between them, on one floor.
+    writeTo(folder_ / "rooms.obj",
+            "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 4 3 2 1\n"
+            "v 4 0 1\nv 10 0 1\nv 10 0 3\nv 4 0 3\nf 8 7 6 5\n"
+            "v 10 0 0\nv 14 0 0\nv 14 0 4\nv 10 0 4\nf 12 11 10 9\n");
+  }
+  ~Cli() override { fs::remove_all(folder_); }
+
+  // Runs the program in its own folder; `arguments` as in a shell.
+  Outcome run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" FOREWALK_PROGRAM "' " +
+                                arguments + " >stdout.txt 2>stderr.txt </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contentsOf(folder_ / "stdout.txt"),
+            contentsOf(folder_ / "stderr.txt")};
+  }
+  std::string contents(const std::string& name) const { return contentsOf(folder_ / name); }
+
+  fs::path folder_;
+};
+
+// A refusal: the status, and one line that starts with the program's name and says something.
+void expectRefusal(const Outcome& outcome, int status, const std::string& saying) {
+  EXPECT_EQ(outcome.status, status) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_THAT(outcome.err, StartsWith("forewalk: "));
+  EXPECT_THAT(outcome.err, HasSubstr(saying));
+}
+
+std::vector<std::vector<std::string>> csvOf(const std::string& text) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    rows.emplace_back();
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+TEST_F(Cli, NamesItsVerbsWhereNoneIsGiven) {
+  expectRefusal(run(""), 2, "build, predict, sweep, simulate");
+  expectRefusal(run("fly"), 2, "fly");
+  expectRefusal(run("--no-such-flag"), 2, "--help");
+}
+
+TEST_F(Cli, TellsItsVersion) {
+  const Outcome outcome = run("--version");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, StartsWith("forewalk "));
+}
+
+TEST_F(Cli, ExplainsEveryVerbWithAnExample) {
+  EXPECT_EQ(run("--help").status, 0);
+  for (const std::string verb : {"build", "predict", "sweep", "simulate", "demo"}) {
+    const Outcome outcome = run(verb + " --help");
+    EXPECT_EQ(outcome.status, 0) << verb;
+    EXPECT_THAT(outcome.out, HasSubstr("Example")) << verb;
+    EXPECT_THAT(outcome.out, HasSubstr("forewalk " + verb)) << verb;
+    EXPECT_EQ(outcome.err, "") << verb;
+  }
+}
+
+TEST_F(Cli, RefusesWrongUsageOfEveryVerbInOneLine) {
+  expectRefusal(run("build"), 2, "forewalk build --help");
+  expectRefusal(run("build rooms.obj"), 2, "--out");
+  expectRefusal(run("build rooms.obj --out a.fwmesh --radius wide"), 2, "wide");
+  expectRefusal(run("build rooms.obj --out a.fwmesh --partition magic"), 2, "magic");
+  expectRefusal(run("predict rooms.obj"), 2, "--at");
+  expectRefusal(run("predict rooms.obj --at 1,2"), 2, "\"1,2\" is no position");
+  expectRefusal(run("predict rooms.obj --at 1,nan,2"), 2, "is no position");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --horizon -3"), 2, "-3 m");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --format png"), 2, "png");
+  expectRefusal(run("sweep rooms.obj --horizons 40:5:5"), 2, "40:5:5");
+  expectRefusal(run("sweep rooms.obj --horizons 1:1e30:1"), 2, "1000 steps");
+  expectRefusal(run("sweep rooms.obj --starts 0"), 2, "--starts");
+  expectRefusal(run("simulate"), 2, "CONFIG");
+  expectRefusal(run("demo --metres -5"), 2, "--metres");
+}
+
+TEST_F(Cli, RefusesScenesThatCannotBeRead) {
+  writeTo(folder_ / "empty.obj", "");
+  writeTo(folder_ / "broken.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 9\n");
+  writeTo(folder_ / "picture.png", "not a scene");
+  writeTo(folder_ / "damaged.fwmesh", "FWME");
+  writeTo(folder_ / "damaged.bin", "TESM");
+  for (const std::string verb : {"build %s --out a.fwmesh", "predict %s --at 2,0,2", "sweep %s"}) {
+    for (const std::string scene : {"missing.obj", "empty.obj", "broken.obj", "picture.png",
+                                    "damaged.fwmesh", "damaged.bin", "."}) {
+      std::string arguments = verb;
+      arguments.replace(arguments.find("%s"), 2, scene);
+      SCOPED_TRACE(arguments);
+      expectRefusal(run(arguments), 1, scene);
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "a.fwmesh"));
+}
+
+TEST_F(Cli, RefusesOutputsThatCannotBeWritten) {
+  writeTo(folder_ / "file", "");
+  expectRefusal(run("build rooms.obj --out file/a.fwmesh"), 1, "file/a.fwmesh");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --out ."), 1, "cannot be written");
+}
+
+TEST_F(Cli, BuildsANavmeshThatOtherVerbsTake) {
+  const Outcome built = run("build rooms.obj --out a.fwmesh --dump a.json");
+  ASSERT_EQ(built.status, 0) << built.err;
+  EXPECT_EQ(built.err, "") << "no progress bar where stderr is no terminal";
+  const json dump = json::parse(contents("a.json"));
+  EXPECT_EQ(dump["format"], "forewalk.navmesh/1");
+  EXPECT_FALSE(dump["polygons"].empty());
+  const Outcome fromScene = run("predict rooms.obj --at 2,0,2 --out scene.json");
+  const Outcome fromMesh = run("predict a.fwmesh --at 2,0,2 --out mesh.json");
+  ASSERT_EQ(fromScene.status, 0) << fromScene.err;
+  ASSERT_EQ(fromMesh.status, 0) << fromMesh.err;
+  json scene = json::parse(contents("scene.json")), mesh = json::parse(contents("mesh.json"));
+  scene.erase("stats");  // holds the time
+  mesh.erase("stats");
+  EXPECT_EQ(scene, mesh);
+  expectRefusal(run("predict a.fwmesh --at 2,0,2 --radius 0.3"), 2, "built already");
+}
+
+TEST_F(Cli, BuildsTheSameBytesOnAnyNumberOfThreads) {
+  ASSERT_EQ(run("build rooms.obj --tile 3.2 --threads 1 --out one.fwmesh").status, 0);
+  ASSERT_EQ(run("build rooms.obj --tile 3.2 --threads 5 --out five.fwmesh").status, 0);
+  EXPECT_FALSE(contents("one.fwmesh").empty());
+  EXPECT_EQ(contents("one.fwmesh"), contents("five.fwmesh"));
+}
+
+TEST_F(Cli, SaysWhichSettingClosedTheScene) {
+  expectRefusal(run("build rooms.obj --radius 2.5 --out a.fwmesh"), 1, "radius");
+  expectRefusal(run("build rooms.obj --radius -1 --out a.fwmesh"), 1, "radius");
+}
+
+TEST_F(Cli, ReadsScenesInOtherUnitsAndAxes) {
+  writeTo(folder_ / "cm.obj", "v 0 0 0\nv 400 0 0\nv 400 400 0\nv 0 400 0\nf 1 2 3 4\n");  // z up
+  const Outcome outcome = run("predict cm.obj --unit 0.01 --up z --at 2,0,-2 --horizon 5");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NEAR(json::parse(outcome.out)["source"]["position"][2].get<double>(), -2.0, 1e-6);
+}
+
+TEST_F(Cli, PredictsInEveryFormat) {
+  const std::string place = "predict rooms.obj --at 2,0,2 --heading-deg -90 --horizon 8 ";
+  const Outcome dump = run(place + "--format json");
+  ASSERT_EQ(dump.status, 0) << dump.err;
+  const json graph = json::parse(dump.out);
+  EXPECT_EQ(graph["format"], "forewalk.prediction/1");
+  EXPECT_EQ(graph["horizon"], 8.0);
+  EXPECT_EQ(graph["nodes"][0]["kind"], "source");
+  EXPECT_GT(graph["stats"]["microseconds"].get<double>(), 0.0);
+  EXPECT_THAT(run(place + "--format graphml").out, HasSubstr("</graphml>"));
+  EXPECT_THAT(run(place + "--format dot").out, StartsWith("graph"));
+  ASSERT_EQ(run(place + "--out sub/plan.svg").status, 0) << "the ending names the format";
+  EXPECT_THAT(contents("sub/plan.svg"), HasSubstr("</svg>"));
+}
+
+TEST_F(Cli, TakesNegativePositions) {
+  writeTo(folder_ / "left.obj", "v -9 0 -9\nv -1 0 -9\nv -1 0 -1\nv -9 0 -1\nf 4 3 2 1\n");
+  const Outcome outcome = run("predict left.obj --at -5,0,-5 --heading-deg -45");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+}
+
+TEST_F(Cli, NamesTheNearestWalkablePointForAPlaceBesideTheNavmesh) {
+  const Outcome outcome = run("predict rooms.obj --at -1.75,0,2");
+  expectRefusal(outcome, 1, "nearest walkable point is 2.");
+  // What the message proposes works.
+  const std::size_t at = outcome.err.find("Try ") + 4;
+  const std::string proposed = outcome.err.substr(at, outcome.err.find_last_of('.') - at);
+  EXPECT_EQ(run("predict rooms.obj --at " + proposed).status, 0) << proposed;
+}
+
+TEST_F(Cli, SweepsTheSameGraphsOnEveryRun) {
+  const std::string sweep =
+      "sweep rooms.obj --horizons 2:6:2 --starts 5 --repeats 2 --seed 3 --out ";
+  const Outcome first = run(sweep + "a/first"), second = run(sweep + "second");
+  ASSERT_EQ(first.status, 0) << first.err;
+  ASSERT_EQ(second.status, 0) << second.err;
+  const auto one = csvOf(contents("a/first.csv")), other = csvOf(contents("second.csv"));
+  ASSERT_EQ(one.size(), 4u) << "a header and three horizons";
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(one[0].begin(), one[0].end(), name) - one[0].begin());
+  };
+  for (const char* name :
+       {"horizon_m", "mean_us", "median_us", "p99_us", "settled", "nodes", "hash"}) {
+    ASSERT_LT(column(name), one[0].size()) << name;
+  }
+  for (std::size_t row = 1; row < one.size(); ++row) {
+    EXPECT_EQ(one[row][column("hash")], other[row][column("hash")]);
+    EXPECT_EQ(std::stod(one[row][column("horizon_m")]), 2.0 * static_cast<double>(row));
+    EXPECT_LE(std::stod(one[row][column("median_us")]), std::stod(one[row][column("p99_us")]));
+  }
+  EXPECT_NE(one[1][column("hash")], one[2][column("hash")]);
+  EXPECT_THAT(contents("second.svg"), HasSubstr("7.5 ms"));
+}
+
+TEST_F(Cli, SimulatesAndRecordsTheWalk) {
+  writeTo(
+      folder_ / "walk.json",
+      R"({"format": "forewalk.simulation/1", "scene": "rooms.obj", "space": {"rectangle": [4, 4]},
+              "limits": "laboratory", "controller": "s2c-predictive", "seed": 3,
+              "stop": {"virtual_m": 12}, "user": {"kind": "wander"}})");
+  const std::string simulate = "simulate walk.json --untimed --trace t.csv --summary s.json";
+  const Outcome outcome = run(simulate);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string trace = contents("t.csv"), summary = contents("s.json");
+  EXPECT_THAT(trace,
+              StartsWith("t,virtual_x,virtual_z,virtual_heading,physical_x,physical_z,"
+                         "physical_heading,translation,rotation,curvature,injected_yaw,reset,"
+                         "graph_nodes,predict_us,steer_us"));
+  const auto rows = csvOf(trace);
+  ASSERT_GT(rows.size(), 100u);
+  for (const auto& row : rows) ASSERT_EQ(row.size(), rows[0].size());
+  EXPECT_EQ(json::parse(summary)["format"], "forewalk.summary/1");
+  ASSERT_EQ(run(simulate).status, 0);
+  EXPECT_EQ(contents("t.csv"), trace) << "the same walk gives the same bytes";
+  EXPECT_EQ(contents("s.json"), summary);
+}
+
+TEST_F(Cli, RefusesSimulationsThatCannotBe) {
+  expectRefusal(run("simulate missing.json --trace t.csv"), 1, "missing.json");
+  writeTo(folder_ / "bad.json", "{\"format\": ");
+  expectRefusal(run("simulate bad.json --trace t.csv"), 1, "bad.json");
+  writeTo(
+      folder_ / "scene.json",
+      R"({"format": "forewalk.simulation/1", "scene": "missing.obj", "user": {"kind": "wander"}})");
+  expectRefusal(run("simulate scene.json --trace t.csv"), 1, "missing.obj");
+}
+
+TEST_F(Cli, DemonstratesOnAnyScene) {
+  const Outcome outcome = run("demo --scene rooms.obj --metres 5 --walks 1 --out out");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* name :
+       {"no steering", "S2C reactive", "S2C predictive", "S2O reactive", "S2O predictive"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(name));
+  }
+  for (const char* file : {"prediction.json", "prediction.graphml", "prediction.dot",
+                           "prediction.svg", "virtual_s2c.svg", "room_s2o_predictive.svg",
+                           "trace_none.csv", "summary_none.json", "resets.svg", "sweep.svg"}) {
+    EXPECT_GT(contents("out/rooms/" + std::string(file)).size(), 100u) << file;
+  }
+  expectRefusal(run("demo --scene castle"), 1, "castle");
+}
+
+}  // namespace
