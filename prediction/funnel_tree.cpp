@@ -14,7 +14,7 @@ void FunnelTree::reserve(std::size_t nodes) {
   points_.resize(2 * nodes);
   cornerOf_.resize(2 * nodes);
   path_.resize(nodes);
-  pending_.reserve(nodes);
+  stack_.resize(nodes);
 }
 
 void FunnelTree::restart(const navmesh::NavGraph& graph, glm::vec2 source, float height,
@@ -51,60 +51,60 @@ void FunnelTree::findFromParent(std::uint32_t node) {
   points_[2 * node + 1] = portal.right;
   cornerOf_[2 * node] = kNone;
   cornerOf_[2 * node + 1] = kNone;
-  const Funnel funnel = extended({apex_[parent], left_[parent], right_[parent]}, node);
+  stack_[0] = node;
+  const Funnel funnel = narrowed({apex_[parent], left_[parent], right_[parent]}, 1);
   apex_[node] = funnel.apex;
   left_[node] = funnel.left;
   right_[node] = funnel.right;
 }
 
-/// `funnel` of the parent of `node`, narrowed by the portal into `node`.
-FunnelTree::Funnel FunnelTree::extended(Funnel funnel, std::uint32_t node) {
-  const glm::vec2 apex = points_[funnel.apex];
-  const glm::vec2 toLeft = points_[funnel.left] - apex;
-  const glm::vec2 toRight = points_[funnel.right] - apex;
-  const glm::vec2 toNewLeft = points_[2 * node] - apex;
-  const glm::vec2 toNewRight = points_[2 * node + 1] - apex;
+/// `funnel` narrowed by the portals into the nodes of stack_[0, depth), the last of them first.
+FunnelTree::Funnel FunnelTree::narrowed(Funnel funnel, std::uint32_t depth) {
+  while (depth > 0) {
+    const std::uint32_t node = stack_[depth - 1];
+    const glm::vec2 apex = points_[funnel.apex];
+    const glm::vec2 toLeft = points_[funnel.left] - apex;
+    const glm::vec2 toRight = points_[funnel.right] - apex;
+    const glm::vec2 toNewLeft = points_[2 * node] - apex;
+    const glm::vec2 toNewRight = points_[2 * node + 1] - apex;
 
-  // All of the portal at or beyond one side, perhaps touching its end: the path bends around that end. No
-  // angle here exceeds half a turn: whatever lies beyond a portal lies on the far side of its line.
-  if (navmesh::cross(toLeft, toNewRight) > 0.0f) return bent(funnel.apex, funnel.left, node);
-  if (navmesh::cross(toRight, toNewLeft) < 0.0f) return bent(funnel.apex, funnel.right, node);
-
-  const bool narrowsLeft = navmesh::cross(toLeft, toNewLeft) <= 0.0f;
-  const bool narrowsRight = navmesh::cross(toRight, toNewRight) >= 0.0f;
-  funnel.left = narrowsLeft ? 2 * node : funnel.left;
-  funnel.right = narrowsRight ? 2 * node + 1 : funnel.right;
+    // All of the portal at or beyond one side, perhaps touching its end: the path bends around that end. No
+    // angle here exceeds half a turn: whatever lies beyond a portal lies on the far side of its line.
+    const bool beyondLeft = navmesh::cross(toLeft, toNewRight) > 0.0f;
+    const bool beyondRight = navmesh::cross(toRight, toNewLeft) < 0.0f;
+    if (beyondLeft || beyondRight) {
+      const std::uint32_t at = beyondLeft ? funnel.left : funnel.right;
+      bend(funnel.apex, at);
+      funnel = {at, at, at};
+      depth = pushPath(at, links_[node].parent, depth);
+      continue;
+    }
+    const bool narrowsLeft = navmesh::cross(toLeft, toNewLeft) <= 0.0f;
+    const bool narrowsRight = navmesh::cross(toRight, toNewRight) >= 0.0f;
+    funnel.left = narrowsLeft ? 2 * node : funnel.left;
+    funnel.right = narrowsRight ? 2 * node + 1 : funnel.right;
+    --depth;
+  }
   return funnel;
 }
 
-/// The path from `apex` bends at point `at`: the funnel from there through the portals on the way to
-/// `node`, its own included.
-FunnelTree::Funnel FunnelTree::bent(std::uint32_t apex, std::uint32_t at, std::uint32_t node) {
-  if (cornerOf_[at] == kNone) makeCorner(at, apex);
-  Funnel opened{at, at, at};
-  const std::uint32_t from = nodeOf(at);
-  if (node == from) return opened;
-  if (links_[node].parent == from) return extended(opened, node);
-  const std::size_t mine = pending_.size();
-  for (std::uint32_t next = node; next != from; next = links_[next].parent) pending_.push_back(next);
-  while (pending_.size() > mine) {
-    const std::uint32_t next = pending_.back();
-    pending_.pop_back();
-    opened = extended(opened, next);
-  }
-  return opened;
+/// Pushes the nodes behind the one that point `at` belongs to, up to `node`. Returns the new depth.
+std::uint32_t FunnelTree::pushPath(std::uint32_t at, std::uint32_t node, std::uint32_t depth) {
+  for (; node != nodeOf(at); node = links_[node].parent) stack_[depth++] = node;
+  return depth;
 }
 
-void FunnelTree::makeCorner(std::uint32_t point, std::uint32_t apex) {
+/// The path from `apex` bends at point `at`: makes a corner of it, once.
+void FunnelTree::bend(std::uint32_t apex, std::uint32_t at) {
+  if (cornerOf_[at] != kNone) return;
   const std::uint32_t previous = cornerOf_[apex];
-  const std::uint32_t node = nodeOf(point);
+  const std::uint32_t node = nodeOf(at);
   const navmesh::PortalHeights& heights = graph_->portalHeights[links_[node].portal];
-  cornerOf_[point] = static_cast<std::uint32_t>(corners_->size());
+  cornerOf_[at] = static_cast<std::uint32_t>(corners_->size());
   Corner& corner = corners_->emplace_back();
-  corner.plan = points_[point];
-  corner.height = point == 2 * node ? heights.left : heights.right;
-  corner.distance =
-      (*corners_)[previous].distance + glm::distance(points_[apex], points_[point]);
+  corner.plan = points_[at];
+  corner.height = at == 2 * node ? heights.left : heights.right;
+  corner.distance = (*corners_)[previous].distance + glm::distance(points_[apex], points_[at]);
   corner.previous = previous;
 }
 
@@ -113,14 +113,13 @@ std::uint32_t FunnelTree::cornerBefore(std::uint32_t node, glm::vec2 end, float 
   Funnel funnel{apex_[node], left_[node], right_[node]};
   for (;;) {
     const glm::vec2 apex = points_[funnel.apex];
+    const bool beyondLeft = turn(apex, points_[funnel.left], end) > 0.0f;
+    const bool beyondRight = turn(apex, points_[funnel.right], end) < 0.0f;
+    if (!beyondLeft && !beyondRight) break;
     if ((*corners_)[cornerOf_[funnel.apex]].distance >= enough) break;
-    if (turn(apex, points_[funnel.left], end) > 0.0f) {
-      funnel = bent(funnel.apex, funnel.left, node);
-    } else if (turn(apex, points_[funnel.right], end) < 0.0f) {
-      funnel = bent(funnel.apex, funnel.right, node);
-    } else {
-      break;
-    }
+    const std::uint32_t at = beyondLeft ? funnel.left : funnel.right;
+    bend(funnel.apex, at);
+    funnel = narrowed({at, at, at}, pushPath(at, node, 0));
   }
   return cornerOf_[funnel.apex];
 }

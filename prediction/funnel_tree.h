@@ -71,9 +71,9 @@ class FunnelTree {
 
   void find(std::uint32_t node);
   void findFromParent(std::uint32_t node);
-  Funnel extended(Funnel funnel, std::uint32_t node);
-  Funnel bent(std::uint32_t apex, std::uint32_t at, std::uint32_t node);
-  void makeCorner(std::uint32_t point, std::uint32_t apex);
+  Funnel narrowed(Funnel funnel, std::uint32_t depth);
+  std::uint32_t pushPath(std::uint32_t at, std::uint32_t node, std::uint32_t depth);
+  void bend(std::uint32_t apex, std::uint32_t at);
 
   const navmesh::NavGraph* graph_ = nullptr;
   std::vector<Corner>* corners_ = nullptr;
@@ -90,8 +90,8 @@ class FunnelTree {
   std::vector<glm::vec2> points_;
   std::vector<std::uint32_t> cornerOf_;  // kNone until the path bends there
 
-  std::vector<std::uint32_t> path_;     // of find(): nodes without a funnel, deepest first
-  std::vector<std::uint32_t> pending_;  // of bent(): stack of nodes to extend by, the next on top
+  std::vector<std::uint32_t> path_;   // of find(): nodes without a funnel, deepest first
+  std::vector<std::uint32_t> stack_;  // of narrowed(): nodes to narrow by, the next on top
 };
 
 }  // namespace forewalk::prediction

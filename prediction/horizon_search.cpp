@@ -129,18 +129,6 @@ void HorizonSearch::dropQueue() {
   }
 }
 
-/// Branches, the ways' links to them, and where ways go on: one pass behind the search.
-void HorizonSearch::annotate() {
-  for (std::uint32_t i = 1; i < count_; ++i) {
-    SearchNode& node = tree_[i];
-    SearchNode& parent = tree_[node.parent];
-    node.prevPG = parent.branch ? node.parent : parent.prevPG;
-    node.branch = node.within && graph_->neighbourCount[index(node.polygon)] > 2;
-    parent.hasWithinChild |= node.within;
-    parent.hasCutChild |= !node.within;
-  }
-}
-
 void HorizonSearch::run(const navmesh::Location& source, float horizon,
                         std::vector<Corner>& corners, Limit limit) {
   assert(index(source.polygon) < graph_->polygonCount());
@@ -165,14 +153,19 @@ void HorizonSearch::run(const navmesh::Location& source, float horizon,
     const std::uint32_t node = count_;
     reach.treeIndex = node;
     settle(polygon, reach);
-    tree_[node].within = isWithin(node, source.plan, horizon, corners, limit);
-    if (tree_[node].within) {
+    SearchNode& at = tree_[node];
+    SearchNode& parent = tree_[at.parent];
+    at.prevPG = parent.branch ? at.parent : parent.prevPG;
+    at.within = isWithin(node, source.plan, horizon, corners, limit);
+    if (at.within) {
+      parent.hasWithinChild = true;
+      at.branch = graph_->neighbourCount[index(polygon)] > 2;
       relax(node);
     } else {
+      parent.hasCutChild = true;
       queue_.pop();
     }
   }
-  annotate();
 }
 
 }  // namespace forewalk::prediction

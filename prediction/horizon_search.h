@@ -88,7 +88,6 @@ class HorizonSearch {
   void relaxFromSource(const navmesh::Location& source);
   void relax(std::uint32_t node);
   void dropQueue();
-  void annotate();
   bool isWithin(std::uint32_t node, glm::vec2 source, float horizon, const std::vector<Corner>& corners,
                 Limit limit);
 

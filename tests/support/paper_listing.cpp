@@ -1,7 +1,6 @@
 #include "tests/support/paper_listing.h"
 
 #include <limits>
-#include <queue>
 #include <set>
 
 #include "navmesh/funnel.h"
@@ -65,16 +64,13 @@ Listing paperListing(const NavGraph& graph, const navmesh::Location& source, flo
     return glm::distance(graph.portalMidpoint[state.entry[u]], graph.portalMidpoint[portal]);
   };
 
-  using Entry = std::pair<float, std::uint32_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  std::vector<bool> done(graph.polygonCount(), false);
+  // "Q <- all vertices", and the nearest is taken out until none is left that can be reached.
+  std::set<std::pair<float, std::uint32_t>> queue;
   state.dist[s] = 0.0f;
-  queue.push({0.0f, s});
-  while (!queue.empty()) {
-    const auto [key, u] = queue.top();
-    queue.pop();
-    if (done[u]) continue;
-    done[u] = true;
+  for (std::uint32_t v = 0; v < graph.polygonCount(); ++v) queue.insert({state.dist[v], v});
+  while (!queue.empty() && queue.begin()->first < std::numeric_limits<float>::infinity()) {
+    const auto [key, u] = *queue.begin();
+    queue.erase(queue.begin());
 
     std::vector<glm::vec2> taut;
     navmesh::pullString(source.plan, place(u), state.corridor(s, u), taut);
@@ -94,11 +90,12 @@ Listing paperListing(const NavGraph& graph, const navmesh::Location& source, flo
     for (std::uint32_t p = graph.portalStart[u]; p < graph.portalStart[u + 1]; ++p) {
       const std::uint32_t v = index(graph.portalTo[p]);
       const float alternative = state.dist[u] + edgeLength(u, p);
-      if (!done[v] && alternative < state.dist[v]) {
+      if (alternative < state.dist[v]) {
+        queue.erase({state.dist[v], v});
+        queue.insert({alternative, v});
         state.dist[v] = alternative;
         state.prev[v] = u;
         state.entry[v] = p;
-        queue.push({alternative, v});
       }
     }
   }
