@@ -116,11 +116,11 @@ demo() {
   echo "Pictures, plots, dumps and traces are under $PWD/out"
 }
 
-test_preset() {  # test_preset PRESET DESCRIPTION
+test_preset() {  # test_preset PRESET DESCRIPTION [TARGET...]
   begin "configuring $1 ($2)"
   configure "$1"
   begin "building $1"
-  build "$1" all
+  build "$1" all "${@:3}"
   begin "testing $1"
   run_tests "$1"
 }
@@ -140,7 +140,12 @@ run_all_tests() {
   else
     install_packages "${PACKAGES[@]}"
   fi
-  test_preset release "optimised"
+  # Benchmarks are built only where all is asked for, so that they do not rot.
+  if [ "${1:-}" = all ]; then
+    test_preset release "optimised" benchmarks
+  else
+    test_preset release "optimised"
+  fi
   if [ "${1:-}" = all ]; then
     test_preset dev "Debug, ASan, UBSan"
     test_preset tsan "Debug, ThreadSanitizer, the tests that start threads"

@@ -9,7 +9,10 @@
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define FOREWALK_SANITIZED 1
-#include <sanitizer/allocator_interface.h>
+// Of <sanitizer/allocator_interface.h>, which GCC does not bring along.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*onMalloc)(const volatile void*,
+                                                                          std::size_t),
+                                                         void (*onFree)(const volatile void*));
 #else
 #define FOREWALK_SANITIZED 0
 #include <linux/filter.h>
@@ -34,8 +37,8 @@ std::atomic<std::uint64_t> allocations{0};
 #if FOREWALK_SANITIZED
 namespace {
 const bool hooked = [] {
-  __sanitizer_install_malloc_and_free_hooks([](const volatile void*, std::size_t) { ++allocations; },
-                                            [](const volatile void*) {});
+  __sanitizer_install_malloc_and_free_hooks(
+      [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
   return true;
 }();
 }  // namespace
@@ -107,7 +110,7 @@ struct Walk {
   }
 };
 
-TEST(Frame, AllocatesNothingAfterTheFirst) {
+TEST(CapiFrame, AllocatesNothingAfterTheFirst) {
   for (forewalk_controller controller = FOREWALK_CONTROLLER_NONE;
        controller <= FOREWALK_CONTROLLER_S2O_PREDICTIVE; ++controller) {
     const Walk walk(controller);
@@ -120,7 +123,7 @@ TEST(Frame, AllocatesNothingAfterTheFirst) {
   }
 }
 
-TEST(Frame, AllocatesNothingToComplain) {
+TEST(CapiFrame, AllocatesNothingToComplain) {
   const Walk walk(FOREWALK_CONTROLLER_S2C);
   walk.frames(0, 1);
   forewalk_frame_out out{};
@@ -131,14 +134,14 @@ TEST(Frame, AllocatesNothingToComplain) {
   forewalk_frame(nullptr, {}, {}, 0.0, &out);
   forewalk_frame(walk.session.get(), {}, {}, 0.0, nullptr);
   forewalk_frame(walk.session.get(), {}, {}, 0.0, &unset);
-  forewalk_frame(walk.session.get(), {nan, nan, nan}, {nan, nan, nan, nan}, static_cast<double>(nan),
-                 &out);
+  forewalk_frame(walk.session.get(), {nan, nan, nan}, {nan, nan, nan, nan},
+                 static_cast<double>(nan), &out);
   forewalk_frame(walk.session.get(), {}, {0, 0, 0, 0}, -1e300, &out);
   forewalk_last_error();
   EXPECT_EQ(allocationsSince(), 0u);
 }
 
-TEST(Graph, AllocatesNothingOnLevelGround) {
+TEST(CapiGraph, AllocatesNothingOnLevelGround) {
   const Walk walk(FOREWALK_CONTROLLER_S2C_PREDICTIVE);
   walk.frames(0, 1);
   forewalk_graph_view view{};
@@ -177,11 +180,12 @@ int withoutSystemCalls(const std::function<void()>& body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-TEST(Frame, CallsNoSystem) {
+TEST(CapiFrame, CallsNoSystem) {
   const int clock = withoutSystemCalls([] { (void)std::chrono::steady_clock::now(); });
   if (clock == 3) GTEST_SKIP() << "no seccomp filter is to be had here";
   if (clock != 0) GTEST_SKIP() << "reading the clock is a system call here";
-  ASSERT_EQ(withoutSystemCalls([] { (void)getppid(); }), 128 + SIGSYS) << "calls get past the filter";
+  ASSERT_EQ(withoutSystemCalls([] { (void)getppid(); }), 128 + SIGSYS)
+      << "calls get past the filter";
   for (const forewalk_controller controller :
        {FOREWALK_CONTROLLER_S2C, FOREWALK_CONTROLLER_S2O_PREDICTIVE}) {
     const Walk walk(controller);

@@ -29,7 +29,7 @@ forewalk_vec3 turned(forewalk_quat q, forewalk_vec3 v) {
   return {result.x, result.y, result.z};
 }
 
-TEST(Axes, KnowEachEnginesDirections) {
+TEST(CapiAxes, KnowEachEnginesDirections) {
   const glm::vec3 right(1, 0, 0), up(0, 1, 0), forward(0, 0, -1);
   expectSame(positionToUnity(right), {1, 0, 0});
   expectSame(positionToUnity(up), {0, 1, 0});
@@ -42,7 +42,7 @@ TEST(Axes, KnowEachEnginesDirections) {
   EXPECT_EQ(positionFromUnreal({0, 100, 0}), right);
 }
 
-TEST(Axes, TurnRightByAPositiveYawInTheLeftHandedTwo) {
+TEST(CapiAxes, TurnRightByAPositiveYawInTheLeftHandedTwo) {
   const float half = 0.5f * static_cast<float>(rdw::kPi) / 2.0f;
   // A quarter turn to the left in ours.
   const glm::quat left(std::cos(half), 0.0f, std::sin(half), 0.0f);
@@ -57,7 +57,7 @@ TEST(Axes, TurnRightByAPositiveYawInTheLeftHandedTwo) {
   EXPECT_EQ(angleSign(FOREWALK_AXES_UNREAL), -1.0f);
 }
 
-TEST(Axes, ConvertThereAndBackWithoutLoss) {
+TEST(CapiAxes, ConvertThereAndBackWithoutLoss) {
   for (const TimedHead& head : testing::wander(1, 2000)) {
     for (const forewalk_axes axes : kAll) {
       const HeadPose back = poseFrom(axes, poseTo(axes, head.pose));
@@ -68,15 +68,16 @@ TEST(Axes, ConvertThereAndBackWithoutLoss) {
   }
 }
 
-TEST(Axes, KeepWhatCentimetresHoldToTheBit) {
+TEST(CapiAxes, KeepWhatCentimetresHoldToTheBit) {
   for (int i = -50000; i <= 50000; i += 7) {
-    const glm::vec3 position(static_cast<float>(i) / 1024.0f, 1.75f, static_cast<float>(3 * i) / 1024.0f);
+    const glm::vec3 position(static_cast<float>(i) / 1024.0f, 1.75f,
+                             static_cast<float>(3 * i) / 1024.0f);
     EXPECT_EQ(positionFromUnreal(positionToUnreal(position)), position);
   }
 }
 
 // Turning a vector and converting it is converting both and turning it there.
-TEST(Axes, AgreeAboutWhatARotationDoes) {
+TEST(CapiAxes, AgreeAboutWhatARotationDoes) {
   std::mt19937_64 rng(2);
   const auto random = [&] { return static_cast<float>(2.0 * navmesh::uniform(rng) - 1.0); };
   for (int i = 0; i < 1000; ++i) {
@@ -113,11 +114,12 @@ std::vector<Told> tell(forewalk_axes axes, const testing::NavMeshHandle& navmesh
     const forewalk_pose theirs = poseTo(axes, head.pose);
     forewalk_frame_out out{};
     out.struct_size = sizeof out;
-    EXPECT_EQ(forewalk_frame(session.get(), theirs.position, theirs.orientation, head.seconds, &out),
-              FOREWALK_OK);
+    EXPECT_EQ(
+        forewalk_frame(session.get(), theirs.position, theirs.orientation, head.seconds, &out),
+        FOREWALK_OK);
     told.push_back({poseFrom(axes, out.virtual_pose), angleSign(axes) * out.curvature,
-                    angleSign(axes) * out.injected_yaw, out.translation, out.flags,
-                    out.reset_count, out.graph_nodes});
+                    angleSign(axes) * out.injected_yaw, out.translation, out.flags, out.reset_count,
+                    out.graph_nodes});
   }
   return told;
 }
@@ -139,7 +141,8 @@ void expectTheSameWalk(const std::vector<Told>& a, const std::vector<Told>& b, f
 // Positions on a grid of 1/1024 m, which centimetres hold without rounding: then nothing of a
 // session's inside depends on the axes.
 std::vector<TimedHead> onGrid(std::vector<TimedHead> heads) {
-  for (TimedHead& head : heads) head.pose.position = glm::round(1024.0f * head.pose.position) / 1024.0f;
+  for (TimedHead& head : heads)
+    head.pose.position = glm::round(1024.0f * head.pose.position) / 1024.0f;
   return heads;
 }
 
@@ -151,6 +154,13 @@ void expectMirrored(const testing::NavMeshHandle& navmesh, forewalk_session_sett
     const auto ours = tell(FOREWALK_AXES_OPENXR, navmesh, settings, heads);
     EXPECT_GE(ours.back().resets, leastResets);
     expectTheSameWalk(ours, tell(FOREWALK_AXES_UNITY, navmesh, settings, heads), 0.0f);
+    // Rounded to centimetres on its way in, the walk drifts from ours by a hundredth of a
+    // millimetre.
+    const auto unreal = tell(FOREWALK_AXES_UNREAL, navmesh, settings, heads);
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+      ASSERT_LE(glm::distance(unreal[i].pose.position, ours[i].pose.position), 1e-4f) << i;
+      ASSERT_EQ(unreal[i].resets, ours[i].resets) << i;
+    }
     const auto grid = onGrid(heads);
     // What comes out is rounded to a float of centimetres: 4e-6 m at 50 m.
     expectTheSameWalk(tell(FOREWALK_AXES_OPENXR, navmesh, settings, grid),
@@ -158,7 +168,7 @@ void expectMirrored(const testing::NavMeshHandle& navmesh, forewalk_session_sett
   }
 }
 
-TEST(Axes, DoNotChangeTheVirtualWalkOfAMadeUpUser) {
+TEST(CapiAxes, DoNotChangeTheVirtualWalkOfAMadeUpUser) {
   const testing::NavMeshHandle navmesh = testing::makeNavMesh(testing::twoRooms(0.9f));
   forewalk_session_settings settings = testing::defaultSettings();
   settings.width = settings.depth = 4.0f;
@@ -181,7 +191,7 @@ std::vector<TimedHead> recordedHeads(const rdw::Walk& walk) {
   return heads;
 }
 
-TEST(Axes, DoNotChangeTheVirtualWalkOfARecordedUser) {
+TEST(CapiAxes, DoNotChangeTheVirtualWalkOfARecordedUser) {
   const std::string folder = std::string(FOREWALK_SHARED_DATA) + "/walks/searching-a/";
   std::ifstream file(folder + "walks.csv", std::ios::binary);
   if (!file) GTEST_SKIP() << "no recorded walks under " << FOREWALK_SHARED_DATA;
@@ -196,7 +206,7 @@ TEST(Axes, DoNotChangeTheVirtualWalkOfARecordedUser) {
   settings.width = settings.depth = 20.0f;  // smaller than the walk, so that there are resets
   settings.limits = FOREWALK_LIMITS_LABORATORY;
   std::vector<TimedHead> heads = recordedHeads(walks->front());
-  heads.resize(std::min<std::size_t>(heads.size(), 6000));
+  heads.resize(std::min<std::size_t>(heads.size(), 1800));
   expectMirrored(navmesh, settings, heads, 1);
 }
 

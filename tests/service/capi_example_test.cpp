@@ -29,7 +29,7 @@ navmesh::Scene hall() {
   const std::vector<glm::vec3> vertices = {{-8, 0, 8}, {8, 0, 8}, {8, 0, -8}, {-8, 0, -8},
                                            {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}, {-2, 0, -2},
                                            {-2, 3, 2}, {2, 3, 2}, {2, 3, -2}, {-2, 3, -2}};
-  const std::vector<std::uint32_t> indices = {0, 1, 2, 0, 2, 3,  4, 5, 9,  4, 9, 8, 5, 6, 10,
+  const std::vector<std::uint32_t> indices = {0, 1,  2, 0, 2, 3,  4, 5,  9,  4, 9, 8, 5, 6, 10,
                                               5, 10, 9, 6, 7, 11, 6, 11, 10, 7, 4, 8, 7, 8, 11};
   return *navmesh::makeScene("hall", vertices, indices);
 }
@@ -41,8 +41,8 @@ void addBytes(std::uint64_t& hash, const void* bytes, std::size_t count) {
 }
 
 std::string walkedByTheLibrary(const navmesh::Scene& scene, const rdw::VirtualStart& start) {
-  auto world = std::make_shared<const navmesh::World>(navmesh::makeWorld(
-      *navmesh::makeNavGraph(navmesh::flatten(*navmesh::buildNavMesh(scene)))));
+  auto world = std::make_shared<const navmesh::World>(
+      navmesh::makeWorld(*navmesh::makeNavGraph(navmesh::flatten(*navmesh::buildNavMesh(scene)))));
   rdw::SessionSettings settings;
   settings.space = *rdw::TrackedSpace::rectangle(5.0, 5.0);
   settings.limits = *rdw::gainLimitsByName("laboratory");
@@ -64,10 +64,9 @@ std::string walkedByTheLibrary(const navmesh::Scene& scene, const rdw::VirtualSt
       x -= 1.1 * dt * std::sin(heading);
       z -= 1.1 * dt * std::cos(heading);
     }
-    const rdw::HeadPose head{
-        {static_cast<float>(x), 1.7f, static_cast<float>(z)},
-        glm::quat(static_cast<float>(std::cos(0.5 * heading)), 0.0f,
-                  static_cast<float>(std::sin(0.5 * heading)), 0.0f)};
+    const rdw::HeadPose head{{static_cast<float>(x), 1.7f, static_cast<float>(z)},
+                             glm::quat(static_cast<float>(std::cos(0.5 * heading)), 0.0f,
+                                       static_cast<float>(std::sin(0.5 * heading)), 0.0f)};
     const rdw::FrameResult& result = session->frame(head, static_cast<double>(i) / 90);
     const auto& [p, q] = result.virtualPose;
     const float pose[] = {p.x, p.y, p.z, q.x, q.y, q.z, q.w};

@@ -11,7 +11,7 @@ extern "C" {
 
 extern const size_t capi_sizes_in_c[];
 extern const size_t capi_size_count;
-int capi_walk_in_c(forewalk_frame_out *out);
+int capi_walk_in_c(forewalk_frame_out* out);
 
 #ifdef __cplusplus
 }

@@ -26,25 +26,34 @@ std::string outputOf(const std::string& command) {
   return output;
 }
 
-TEST(Library, ShowsTheseNamesAndNoOther) {
+TEST(CapiLibrary, ShowsTheseNamesAndNoOther) {
   const std::vector<std::string> expected = {
-      "forewalk_build_settings_init",   "forewalk_frame",
-      "forewalk_graph",                 "forewalk_last_error",
-      "forewalk_navmesh_from_file",     "forewalk_navmesh_from_fwmesh",
-      "forewalk_navmesh_from_triangles", "forewalk_navmesh_polygon_count",
-      "forewalk_navmesh_release",       "forewalk_navmesh_retain",
-      "forewalk_navmesh_save",          "forewalk_session_create",
-      "forewalk_session_destroy",       "forewalk_session_settings_init",
-      "forewalk_session_teleport",      "forewalk_version",
+      "forewalk_build_settings_init",
+      "forewalk_frame",
+      "forewalk_graph",
+      "forewalk_last_error",
+      "forewalk_navmesh_from_file",
+      "forewalk_navmesh_from_fwmesh",
+      "forewalk_navmesh_from_triangles",
+      "forewalk_navmesh_polygon_count",
+      "forewalk_navmesh_release",
+      "forewalk_navmesh_retain",
+      "forewalk_navmesh_save",
+      "forewalk_session_create",
+      "forewalk_session_destroy",
+      "forewalk_session_settings_init",
+      "forewalk_session_teleport",
+      "forewalk_version",
   };
-  std::istringstream lines(outputOf(std::string(FOREWALK_NM) + " -D --defined-only " + FOREWALK_LIBRARY));
+  std::istringstream lines(
+      outputOf(std::string(FOREWALK_NM) + " -D --defined-only " + FOREWALK_LIBRARY));
   std::vector<std::string> shown;
   for (std::string address, kind, name; lines >> address >> kind >> name;) shown.push_back(name);
   std::sort(shown.begin(), shown.end());
   EXPECT_EQ(shown, expected);
 }
 
-TEST(Header, LaysItsStructsOutAsEver) {
+TEST(CapiHeader, LaysItsStructsOutAsEver) {
   if (sizeof(void*) != 8) GTEST_SKIP() << "the list is for 64 bits";
   EXPECT_EQ(sizeof(forewalk_vec3), 12u);
   EXPECT_EQ(sizeof(forewalk_quat), 16u);
@@ -121,23 +130,23 @@ TEST(Header, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_graph_view, complete_to), 44u);
 }
 
-TEST(Header, MeansTheSameInCAndInCpp) {
+TEST(CapiHeader, MeansTheSameInCAndInCpp) {
   const std::vector<std::size_t> here = {
-      sizeof(forewalk_vec3),      sizeof(forewalk_quat), sizeof(forewalk_pose),
+      sizeof(forewalk_vec3),           sizeof(forewalk_quat),   sizeof(forewalk_pose),
       sizeof(forewalk_build_settings), sizeof(forewalk_point2), sizeof(forewalk_session_settings),
-      sizeof(forewalk_frame_out), sizeof(forewalk_node), sizeof(forewalk_edge),
+      sizeof(forewalk_frame_out),      sizeof(forewalk_node),   sizeof(forewalk_edge),
       sizeof(forewalk_graph_view)};
   EXPECT_EQ(std::vector<std::size_t>(capi_sizes_in_c, capi_sizes_in_c + capi_size_count), here);
 }
 
-TEST(Header, ServesAProgramInC) {
+TEST(CapiHeader, ServesAProgramInC) {
   forewalk_frame_out out{};
   ASSERT_EQ(capi_walk_in_c(&out), FOREWALK_OK) << forewalk_last_error();
   EXPECT_EQ(out.flags, static_cast<std::uint32_t>(FOREWALK_FLAG_FIRST_FRAME));
   EXPECT_EQ(out.virtual_pose.position.y, 1.7f);
 }
 
-TEST(Library, SaysTheVersionOfItsHeader) {
+TEST(CapiLibrary, SaysTheVersionOfItsHeader) {
   EXPECT_EQ(forewalk_version(), (FOREWALK_VERSION_MAJOR << 16) + (FOREWALK_VERSION_MINOR << 8) +
                                     FOREWALK_VERSION_PATCH);
   EXPECT_EQ(std::to_string(FOREWALK_VERSION_MAJOR) + "." + std::to_string(FOREWALK_VERSION_MINOR) +

@@ -43,7 +43,7 @@ std::array<unsigned char, sizeof(T)> bytesOf(const T& value) {
   return bytes;
 }
 
-TEST(Session, GivesTheBytesOfTheLibrary) {
+TEST(CapiSession, GivesTheBytesOfTheLibrary) {
   for (const navmesh::Scene& scene : {testing::twoRooms(0.9f), testing::twoStoreys()}) {
     const NavMeshHandle navmesh = makeNavMesh(scene);
     const auto world = testing::makeWorld(scene);
@@ -98,7 +98,7 @@ float lengthOnPlan(std::span<const forewalk_vec3> points) {
   return length;
 }
 
-TEST(Graph, IsTheLibrarysWithItsPathsOnTheFloor) {
+TEST(CapiGraph, IsTheLibrarysWithItsPathsOnTheFloor) {
   const navmesh::Scene scene = testing::twoStoreys();
   const NavMeshHandle navmesh = makeNavMesh(scene);
   const auto world = testing::makeWorld(scene);
@@ -183,7 +183,7 @@ struct Refusal {
   forewalk_status status;
 };
 
-TEST(Session, RefusesSettingsThatCannotWork) {
+TEST(CapiSession, RefusesSettingsThatCannotWork) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   const float nan = std::nanf("");
   static const forewalk_point2 square[] = {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
@@ -221,9 +221,15 @@ TEST(Session, RefusesSettingsThatCannotWork) {
          s.hole_points = square, s.hole_sizes = wild, s.hole_count = 1;
        },
        FOREWALK_ERROR_TOO_LARGE},
-      {"start", [](auto& s) { s.has_start = 1, s.start_floor = {500, 0, 0}; },
+      {"start",
+       [](auto& s) {
+         s.has_start = 1, s.start_floor = {500, 0, 0};
+       },
        FOREWALK_ERROR_POSITION_OFF_NAVMESH},
-      {"", [&](auto& s) { s.has_start = 1, s.start_floor = {nan, nan, nan}; },
+      {"",
+       [&](auto& s) {
+         s.has_start = 1, s.start_floor = {nan, nan, nan};
+       },
        FOREWALK_ERROR_POSITION_OFF_NAVMESH},
       {"", [](auto& s) { s.limits = FOREWALK_LIMITS_CUSTOM, s.rotation_min = 2; },
        FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
@@ -254,7 +260,7 @@ TEST(Session, RefusesSettingsThatCannotWork) {
   EXPECT_TRUE(testing::isFinite(frame(makeSession(navmesh, settings), {})));
 }
 
-TEST(NavMesh, RefusesSettingsThatCannotWork) {
+TEST(CapiNavMesh, RefusesSettingsThatCannotWork) {
   const testing::SceneArrays scene = testing::arraysOf(testing::twoRooms(0.9f));
   const auto refused = [&](const std::function<void(forewalk_build_settings&)>& spoil) {
     forewalk_build_settings settings;
@@ -275,19 +281,22 @@ TEST(NavMesh, RefusesSettingsThatCannotWork) {
   EXPECT_EQ(refused([](auto& s) { s.radius = 3; }), FOREWALK_ERROR_NOTHING_WALKABLE);
 }
 
-TEST(NavMesh, RefusesTrianglesThatAreNone) {
+TEST(CapiNavMesh, RefusesTrianglesThatAreNone) {
   testing::SceneArrays scene = testing::arraysOf(testing::twoRooms(0.9f));
   forewalk_navmesh* navmesh = nullptr;
   const auto build = [&](std::size_t indexCount, forewalk_axes axes = FOREWALK_AXES_OPENXR) {
     return forewalk_navmesh_from_triangles(scene.vertices.data(), scene.vertices.size() / 3,
-                                           scene.indices.data(), indexCount, axes, nullptr, &navmesh);
+                                           scene.indices.data(), indexCount, axes, nullptr,
+                                           &navmesh);
   };
   EXPECT_EQ(build(0), FOREWALK_ERROR_SCENE_EMPTY);
   EXPECT_EQ(build(5), FOREWALK_ERROR_DATA_DAMAGED);
   EXPECT_EQ(build(6, 7), FOREWALK_ERROR_ARGUMENT);
   EXPECT_EQ(build(SIZE_MAX), FOREWALK_ERROR_TOO_LARGE);
-  // Seen from below there is no floor.
-  EXPECT_EQ(build(scene.indices.size(), FOREWALK_AXES_UNITY), FOREWALK_ERROR_NOTHING_WALKABLE);
+  // A floor that is wound the other way is a ceiling.
+  std::swap(scene.indices[1], scene.indices[2]);
+  std::swap(scene.indices[4], scene.indices[5]);
+  EXPECT_EQ(build(6), FOREWALK_ERROR_NOTHING_WALKABLE);
   scene.indices[4] = 4000000000u;
   EXPECT_EQ(build(6), FOREWALK_ERROR_DATA_DAMAGED);
   EXPECT_NE(std::string(forewalk_last_error()).find("4000000000"), std::string::npos);
@@ -297,7 +306,7 @@ TEST(NavMesh, RefusesTrianglesThatAreNone) {
   EXPECT_EQ(navmesh, nullptr);
 }
 
-TEST(Interface, RefusesNull) {
+TEST(CapiInterface, RefusesNull) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   const SessionHandle session = makeSession(navmesh, defaultSettings());
   const testing::SceneArrays scene = testing::arraysOf(testing::twoRooms(0.9f));
@@ -310,10 +319,14 @@ TEST(Interface, RefusesNull) {
   const std::uint32_t* i = scene.indices.data();
   EXPECT_EQ(forewalk_navmesh_from_file(nullptr, nullptr, &made), FOREWALK_ERROR_ARGUMENT);
   EXPECT_EQ(forewalk_navmesh_from_file("x.obj", nullptr, nullptr), FOREWALK_ERROR_ARGUMENT);
-  EXPECT_EQ(forewalk_navmesh_from_triangles(nullptr, 4, i, 6, 0, nullptr, &made), FOREWALK_ERROR_ARGUMENT);
-  EXPECT_EQ(forewalk_navmesh_from_triangles(v, 4, nullptr, 6, 0, nullptr, &made), FOREWALK_ERROR_ARGUMENT);
-  EXPECT_EQ(forewalk_navmesh_from_triangles(v, 4, i, 6, 0, nullptr, nullptr), FOREWALK_ERROR_ARGUMENT);
-  EXPECT_EQ(forewalk_navmesh_from_triangles(nullptr, 0, nullptr, 0, 0, nullptr, &made), FOREWALK_ERROR_SCENE_EMPTY);
+  EXPECT_EQ(forewalk_navmesh_from_triangles(nullptr, 4, i, 6, 0, nullptr, &made),
+            FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_triangles(v, 4, nullptr, 6, 0, nullptr, &made),
+            FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_triangles(v, 4, i, 6, 0, nullptr, nullptr),
+            FOREWALK_ERROR_ARGUMENT);
+  EXPECT_EQ(forewalk_navmesh_from_triangles(nullptr, 0, nullptr, 0, 0, nullptr, &made),
+            FOREWALK_ERROR_SCENE_EMPTY);
   EXPECT_EQ(forewalk_navmesh_from_fwmesh(nullptr, 10, &made), FOREWALK_ERROR_ARGUMENT);
   EXPECT_EQ(forewalk_navmesh_from_fwmesh("FWMESH", 6, nullptr), FOREWALK_ERROR_ARGUMENT);
   EXPECT_EQ(forewalk_navmesh_save(nullptr, nullptr, &size), FOREWALK_ERROR_ARGUMENT);
@@ -350,7 +363,7 @@ struct NewerSettings {
   std::uint64_t added[8];
 };
 
-TEST(Structs, OfANewerCallerAreFilledAsFarAsTheyAreKnown) {
+TEST(CapiStructs, OfANewerCallerAreFilledAsFarAsTheyAreKnown) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   NewerSettings settings;
   std::memset(&settings, 0xab, sizeof settings);
@@ -372,7 +385,7 @@ TEST(Structs, OfANewerCallerAreFilledAsFarAsTheyAreKnown) {
   for (const std::uint32_t word : out.added) EXPECT_EQ(word, 0xcdcdcdcdu);
 }
 
-TEST(Structs, OfSizesThatNoVersionHadAreLeftAlone) {
+TEST(CapiStructs, OfSizesThatNoVersionHadAreLeftAlone) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   const SessionHandle session = makeSession(navmesh, inTheWestRoom());
   for (const std::uint32_t size : {0u, 4u, 36u, 99u, 4097u, 0xffffffffu}) {
@@ -380,7 +393,8 @@ TEST(Structs, OfSizesThatNoVersionHadAreLeftAlone) {
     std::memset(&out, 0xcd, sizeof out);
     out.struct_size = size;
     const auto before = bytesOf(out);
-    EXPECT_EQ(forewalk_frame(session.get(), {0, 1.7f, 0}, {0, 0, 0, 1}, 0.0, &out), FOREWALK_ERROR_ARGUMENT);
+    EXPECT_EQ(forewalk_frame(session.get(), {0, 1.7f, 0}, {0, 0, 0, 1}, 0.0, &out),
+              FOREWALK_ERROR_ARGUMENT);
     EXPECT_EQ(bytesOf(out), before);
     forewalk_graph_view view;
     std::memset(&view, 0xcd, sizeof view);
@@ -393,7 +407,7 @@ TEST(Structs, OfSizesThatNoVersionHadAreLeftAlone) {
 
 // --- odd frames
 
-TEST(Frame, ReportsOddInputAndGoesOn) {
+TEST(CapiFrame, ReportsOddInputAndGoesOn) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
   const double nand = std::nan("");
@@ -440,25 +454,25 @@ TEST(Frame, ReportsOddInputAndGoesOn) {
       EXPECT_EQ(out.flags & odd.flag, odd.flag) << "axes " << axes << ", flags " << out.flags;
       // From a new beginning the session is as usable as ever.
       for (int i = 0; i < 5; ++i) step(here, ahead, seconds = 2e9 + i * 0.01);
-      constexpr std::uint32_t kOdd = FOREWALK_FLAG_TIME_STOOD_STILL |
-                                     FOREWALK_FLAG_TIME_RAN_BACKWARDS | FOREWALK_FLAG_TIME_GAP |
-                                     FOREWALK_FLAG_TRACKING_JUMP | FOREWALK_FLAG_POSE_NOT_FINITE |
-                                     FOREWALK_FLAG_ORIENTATION_NOT_UNIT |
-                                     FOREWALK_FLAG_ORIENTATION_UNUSABLE;
+      constexpr std::uint32_t kOdd =
+          FOREWALK_FLAG_TIME_STOOD_STILL | FOREWALK_FLAG_TIME_RAN_BACKWARDS |
+          FOREWALK_FLAG_TIME_GAP | FOREWALK_FLAG_TRACKING_JUMP | FOREWALK_FLAG_POSE_NOT_FINITE |
+          FOREWALK_FLAG_ORIENTATION_NOT_UNIT | FOREWALK_FLAG_ORIENTATION_UNUSABLE;
       EXPECT_EQ(out.flags & kOdd, 0u);
       EXPECT_LE(std::abs(out.virtual_pose.orientation.w), 1.0f + 1e-3f);
     }
   }
 }
 
-TEST(Frame, IsSafeBeforeAnyPoseWasSound) {
+TEST(CapiFrame, IsSafeBeforeAnyPoseWasSound) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   const SessionHandle session = makeSession(navmesh, defaultSettings());
   const float nan = std::nanf("");
   forewalk_frame_out out{};
   out.struct_size = sizeof out;
-  EXPECT_EQ(forewalk_frame(session.get(), {nan, nan, nan}, {nan, nan, nan, nan}, std::nan(""), &out),
-            FOREWALK_OK);
+  EXPECT_EQ(
+      forewalk_frame(session.get(), {nan, nan, nan}, {nan, nan, nan, nan}, std::nan(""), &out),
+      FOREWALK_OK);
   EXPECT_TRUE(testing::isFinite(out));
   forewalk_graph_view view{};
   view.struct_size = sizeof view;
@@ -467,7 +481,7 @@ TEST(Frame, IsSafeBeforeAnyPoseWasSound) {
 
 // --- ownership
 
-TEST(NavMesh, MayBeReleasedBeforeItsSessions) {
+TEST(CapiNavMesh, MayBeReleasedBeforeItsSessions) {
   NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   const SessionHandle first = makeSession(navmesh, inTheWestRoom());
   const SessionHandle second = makeSession(navmesh, inTheWestRoom());
@@ -488,7 +502,7 @@ std::vector<unsigned char> saved(const NavMeshHandle& navmesh) {
   return bytes;
 }
 
-TEST(NavMesh, IsTheSameAfterSavingAndLoading) {
+TEST(CapiNavMesh, IsTheSameAfterSavingAndLoading) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoStoreys());
   std::vector<unsigned char> bytes = saved(navmesh);
   forewalk_navmesh* loaded = nullptr;
@@ -502,14 +516,15 @@ TEST(NavMesh, IsTheSameAfterSavingAndLoading) {
   EXPECT_EQ(small, bytes.size());
 
   for (std::size_t size = 0; size < bytes.size(); size += 1 + bytes.size() / 97) {
-    const std::vector<unsigned char> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    const std::vector<unsigned char> cut(bytes.begin(),
+                                         bytes.begin() + static_cast<std::ptrdiff_t>(size));
     forewalk_navmesh* none = nullptr;
     EXPECT_NE(forewalk_navmesh_from_fwmesh(cut.data(), cut.size(), &none), FOREWALK_OK) << size;
     EXPECT_EQ(none, nullptr);
   }
 }
 
-TEST(NavMesh, IsReadFromFiles) {
+TEST(CapiNavMesh, IsReadFromFiles) {
   const std::string scene = std::string(FOREWALK_ASSETS) + "/scenes/corridor.obj";
   forewalk_navmesh* made = nullptr;
   ASSERT_EQ(forewalk_navmesh_from_file(scene.c_str(), nullptr, &made), FOREWALK_OK)
@@ -521,29 +536,34 @@ TEST(NavMesh, IsReadFromFiles) {
   const std::string file = (folder / "forewalk capi \xc3\xa4.fwmesh").string();
   const std::vector<unsigned char> bytes = saved(built);
   std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
   ASSERT_EQ(forewalk_navmesh_from_file(file.c_str(), nullptr, &made), FOREWALK_OK);
   EXPECT_EQ(saved(NavMeshHandle(made)), bytes);
   std::filesystem::remove(file);
 
-  EXPECT_EQ(forewalk_navmesh_from_file(file.c_str(), nullptr, &made), FOREWALK_ERROR_FILE_UNREADABLE);
+  EXPECT_EQ(forewalk_navmesh_from_file(file.c_str(), nullptr, &made),
+            FOREWALK_ERROR_FILE_UNREADABLE);
   EXPECT_EQ(made, nullptr);
   EXPECT_EQ(forewalk_navmesh_from_file("", nullptr, &made), FOREWALK_ERROR_FORMAT_UNKNOWN);
   EXPECT_EQ(forewalk_navmesh_from_file("scene.txt", nullptr, &made), FOREWALK_ERROR_FORMAT_UNKNOWN);
 }
 
-TEST(LastError, IsValidUtf8WhateverTheFileIsCalled) {
+TEST(CapiLastError, IsValidUtf8WhateverTheFileIsCalled) {
   forewalk_navmesh* made = nullptr;
-  EXPECT_NE(forewalk_navmesh_from_file("no \xff\xc3[ such \xe2\x82.obj", nullptr, &made), FOREWALK_OK);
+  EXPECT_NE(forewalk_navmesh_from_file("no \xff\xc3[ such \xe2\x82.obj", nullptr, &made),
+            FOREWALK_OK);
   const std::string error = forewalk_last_error();
   EXPECT_NE(error.find("no ??[ such ??.obj"), std::string::npos) << error;
-  EXPECT_NE(forewalk_navmesh_from_file("no s\xc3\xbc\xe2\x82\xacht.obj", nullptr, &made), FOREWALK_OK);
-  EXPECT_NE(std::string(forewalk_last_error()).find("s\xc3\xbc\xe2\x82\xacht.obj"), std::string::npos);
+  EXPECT_NE(forewalk_navmesh_from_file("no s\xc3\xbc\xe2\x82\xacht.obj", nullptr, &made),
+            FOREWALK_OK);
+  EXPECT_NE(std::string(forewalk_last_error()).find("s\xc3\xbc\xe2\x82\xacht.obj"),
+            std::string::npos);
 }
 
 // --- an engine's triangles
 
-TEST(NavMesh, IsTheSameFromEveryEnginesTriangles) {
+TEST(CapiNavMesh, IsTheSameFromEveryEnginesTriangles) {
   const navmesh::Scene scene = testing::twoRooms(0.875f);
   testing::SceneArrays ours = testing::arraysOf(scene);
   // On a grid that centimetres hold.
@@ -573,7 +593,7 @@ TEST(NavMesh, IsTheSameFromEveryEnginesTriangles) {
 
 // --- starts, teleports, tracked spaces
 
-TEST(Session, StartsWhereItIsToldInEveryAxes) {
+TEST(CapiSession, StartsWhereItIsToldInEveryAxes) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   struct Start {
     forewalk_axes axes;
@@ -624,14 +644,17 @@ TEST(Session, StartsWhereItIsToldInEveryAxes) {
   }
 }
 
-TEST(Session, TakesATrackedSpaceWithHolesInItsOwnUnit) {
+TEST(CapiSession, TakesATrackedSpaceWithHolesInItsOwnUnit) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
-  for (const forewalk_axes axes : {FOREWALK_AXES_OPENXR, FOREWALK_AXES_UNITY, FOREWALK_AXES_UNREAL}) {
+  for (const forewalk_axes axes :
+       {FOREWALK_AXES_OPENXR, FOREWALK_AXES_UNITY, FOREWALK_AXES_UNREAL}) {
     const float u = axes == FOREWALK_AXES_UNREAL ? 100.0f : 1.0f;
     // Wide to the right, with a pillar ahead on the right.
-    const forewalk_point2 border[] = {{-1 * u, -2 * u}, {5 * u, -2 * u}, {5 * u, 2 * u}, {-1 * u, 2 * u}};
-    const forewalk_point2 holes[] = {{2 * u, 0.5f * u}, {3 * u, 0.5f * u}, {3 * u, 1 * u}, {2 * u, 1 * u},
-                                     {4 * u, -1 * u},   {4.5f * u, -1 * u}, {4 * u, -0.5f * u}};
+    const forewalk_point2 border[] = {
+        {-1 * u, -2 * u}, {5 * u, -2 * u}, {5 * u, 2 * u}, {-1 * u, 2 * u}};
+    const forewalk_point2 holes[] = {{2 * u, 0.5f * u}, {3 * u, 0.5f * u}, {3 * u, 1 * u},
+                                     {2 * u, 1 * u},    {4 * u, -1 * u},   {4.5f * u, -1 * u},
+                                     {4 * u, -0.5f * u}};
     const std::size_t sizes[] = {4, 3};
     forewalk_session_settings settings = defaultSettings();
     settings.axes = axes;
@@ -644,9 +667,10 @@ TEST(Session, TakesATrackedSpaceWithHolesInItsOwnUnit) {
     const auto outside = [&](float right, float forward) {
       forewalk_frame_out out{};
       out.struct_size = sizeof out;
-      const forewalk_vec3 head = axes == FOREWALK_AXES_OPENXR  ? forewalk_vec3{right, 1.7f, -forward}
-                                 : axes == FOREWALK_AXES_UNITY ? forewalk_vec3{right, 1.7f, forward}
-                                                               : forewalk_vec3{100 * forward, 100 * right, 170};
+      const forewalk_vec3 head = axes == FOREWALK_AXES_OPENXR ? forewalk_vec3{right, 1.7f, -forward}
+                                 : axes == FOREWALK_AXES_UNITY
+                                     ? forewalk_vec3{right, 1.7f, forward}
+                                     : forewalk_vec3{100 * forward, 100 * right, 170};
       EXPECT_EQ(forewalk_frame(session.get(), head, {0, 0, 0, 1}, 0.0, &out), FOREWALK_OK);
       return (out.flags & FOREWALK_FLAG_OUTSIDE_SPACE) != 0;
     };
@@ -660,7 +684,7 @@ TEST(Session, TakesATrackedSpaceWithHolesInItsOwnUnit) {
   }
 }
 
-TEST(Session, PredictsOnlyWhereAskedIfSetSo) {
+TEST(CapiSession, PredictsOnlyWhereAskedIfSetSo) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   forewalk_session_settings settings = inTheWestRoom();
   settings.always_predict = 0;
@@ -670,7 +694,7 @@ TEST(Session, PredictsOnlyWhereAskedIfSetSo) {
   EXPECT_GT(frame(makeSession(navmesh, settings), {}).graph_nodes, 0u);
 }
 
-TEST(Session, NeverStopsAUserWithoutResets) {
+TEST(CapiSession, NeverStopsAUserWithoutResets) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   forewalk_session_settings settings = inTheWestRoom();
   settings.width = settings.depth = 2.0f;

@@ -35,12 +35,15 @@ struct SceneArrays {
 
 inline SceneArrays arraysOf(const navmesh::Scene& scene) {
   SceneArrays arrays;
-  for (const glm::vec3 v : scene.vertices) arrays.vertices.insert(arrays.vertices.end(), {v.x, v.y, v.z});
-  for (const glm::uvec3 t : scene.triangles) arrays.indices.insert(arrays.indices.end(), {t.x, t.y, t.z});
+  for (const glm::vec3 v : scene.vertices)
+    arrays.vertices.insert(arrays.vertices.end(), {v.x, v.y, v.z});
+  for (const glm::uvec3 t : scene.triangles)
+    arrays.indices.insert(arrays.indices.end(), {t.x, t.y, t.z});
   return arrays;
 }
 
-inline NavMeshHandle makeNavMesh(const SceneArrays& arrays, forewalk_axes axes = FOREWALK_AXES_OPENXR,
+inline NavMeshHandle makeNavMesh(const SceneArrays& arrays,
+                                 forewalk_axes axes = FOREWALK_AXES_OPENXR,
                                  const forewalk_build_settings* settings = nullptr) {
   forewalk_navmesh* navmesh = nullptr;
   const forewalk_status status = forewalk_navmesh_from_triangles(
@@ -50,12 +53,14 @@ inline NavMeshHandle makeNavMesh(const SceneArrays& arrays, forewalk_axes axes =
   return NavMeshHandle(navmesh);
 }
 
-inline NavMeshHandle makeNavMesh(const navmesh::Scene& scene) { return makeNavMesh(arraysOf(scene)); }
+inline NavMeshHandle makeNavMesh(const navmesh::Scene& scene) {
+  return makeNavMesh(arraysOf(scene));
+}
 
 /// What the C interface makes of the scene, made by the library below it.
 inline std::shared_ptr<const navmesh::World> makeWorld(const navmesh::Scene& scene) {
-  return std::make_shared<const navmesh::World>(navmesh::makeWorld(
-      *navmesh::makeNavGraph(navmesh::flatten(*navmesh::buildNavMesh(scene)))));
+  return std::make_shared<const navmesh::World>(
+      navmesh::makeWorld(*navmesh::makeNavGraph(navmesh::flatten(*navmesh::buildNavMesh(scene)))));
 }
 
 inline SessionHandle makeSession(const NavMeshHandle& navmesh,
@@ -77,8 +82,8 @@ struct TimedHead {
   double seconds;
 };
 
-/// Somebody who wanders about a 4 m x 4 m room at 90 frames a second, turns where it ends, stops now
-/// and then, nods, and tilts the head.
+/// Somebody who wanders about a 4 m x 4 m room at 90 frames a second, turns where it ends, stops
+/// now and then, nods, and tilts the head.
 inline std::vector<TimedHead> wander(std::uint64_t seed, int frames) {
   std::mt19937_64 rng(seed);
   std::vector<TimedHead> heads;
@@ -111,8 +116,9 @@ inline forewalk_frame_out frame(const SessionHandle& session, const TimedHead& h
   forewalk_frame_out out{};
   out.struct_size = sizeof out;
   const auto& [p, q] = head.pose;
-  EXPECT_EQ(forewalk_frame(session.get(), {p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}, head.seconds, &out),
-            FOREWALK_OK);
+  EXPECT_EQ(
+      forewalk_frame(session.get(), {p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}, head.seconds, &out),
+      FOREWALK_OK);
   return out;
 }
 

@@ -37,7 +37,7 @@ Result walk(forewalk_navmesh* navmesh, std::uint64_t seed, int frames) {
   return result;
 }
 
-TEST(Sessions, OnManyThreadsShareANavMesh) {
+TEST(CapiSessions, OnManyThreadsShareANavMesh) {
   constexpr int kUsers = 12;
   constexpr int kFrames = 600;
   testing::NavMeshHandle navmesh = testing::makeNavMesh(testing::twoStoreys());
@@ -68,7 +68,7 @@ TEST(Sessions, OnManyThreadsShareANavMesh) {
   }
 }
 
-TEST(LastError, BelongsToItsThread) {
+TEST(CapiLastError, BelongsToItsThread) {
   EXPECT_EQ(forewalk_navmesh_save(nullptr, nullptr, nullptr), FOREWALK_ERROR_ARGUMENT);
   const std::string mine = forewalk_last_error();
   std::atomic<int> wrong{0};

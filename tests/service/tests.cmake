@@ -2,8 +2,10 @@
 forewalk_test(service/parallel_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
 forewalk_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
-add_dependencies(cli_test forewalk)
-target_compile_definitions(cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+if(TARGET cli_test)
+  add_dependencies(cli_test forewalk)
+  target_compile_definitions(cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+endif()
 
 # The C interface.
 forewalk_test(service/capi_axes_test.cpp LIBS capi capi_axes forewalk::navmesh_build)
@@ -31,14 +33,14 @@ if(TARGET capi_header_test)
 
   find_program(CLANGXX NAMES clang++ clang++-14)
   if(CLANGXX)
-    add_test(NAME Header.ServesCppWithoutExceptionsAndRtti
+    add_test(NAME CapiHeader.ServesCppWithoutExceptionsAndRtti
       COMMAND ${CLANGXX} -std=c++17 -fno-exceptions -fno-rtti -Wall -Wextra -pedantic -Werror
               -fsyntax-only -I${PROJECT_SOURCE_DIR}/service/capi
               ${CMAKE_CURRENT_SOURCE_DIR}/service/capi_header_plain.cpp)
   else()
-    add_test(NAME Header.ServesCppWithoutExceptionsAndRtti
+    add_test(NAME CapiHeader.ServesCppWithoutExceptionsAndRtti
       COMMAND ${CMAKE_COMMAND} -E echo "skipped: there is no clang++ here")
-    set_tests_properties(Header.ServesCppWithoutExceptionsAndRtti PROPERTIES
+    set_tests_properties(CapiHeader.ServesCppWithoutExceptionsAndRtti PROPERTIES
       SKIP_REGULAR_EXPRESSION "^skipped")
   endif()
 endif()
