@@ -40,7 +40,8 @@ struct Agreement {
   double worst = 0.0;         ///< metres
 };
 
-/// Compares every cost of the same search, one by one.
+/// Compares every cost of the same search, one by one. Costs differ where equal ones settle in another order
+/// (symmetric furniture does that): a node of Detour's stays at the portal it was first seen through.
 Agreement compare(DetourPeer& detour, CircleSearch& ours, const std::vector<navmesh::Location>& starts,
                   float radius, double tolerance) {
   Agreement agreement;

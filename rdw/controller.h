@@ -31,6 +31,10 @@ class Controller {
  public:
   virtual ~Controller() = default;
 
+  /// Called once, before the first frame, with what every frame will be steered in: the place for
+  /// work that takes longer than a frame, or allocates. May take some tenths of a second.
+  virtual void prepare(const TrackedSpace& /*space*/, const GainLimits& /*limits*/) {}
+
   /// Gains within `input.limits` for the motion of this frame. Not called in a frame without usable
   /// motion and not during a reset.
   virtual Gains steer(const SteerInput& input) = 0;

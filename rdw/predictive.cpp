@@ -11,6 +11,7 @@ using prediction::PredictionGraph;
 
 constexpr double kLongestPiece = 2.0;   // metres
 constexpr double kSmallestBend = 0.17;  // radians; smaller bends are walked, not turned
+constexpr double kNearestBend = 0.8;    // metres; a nearer bend says little about the direction
 constexpr int kMostCorners = 24;  // of a way, nearest the user; the rest lies beyond the reach
 
 double dot(glm::dvec2 a, glm::dvec2 b) { return a.x * b.x + a.y * b.y; }
@@ -19,9 +20,6 @@ glm::dvec2 unit(glm::dvec2 v) {
   const double length = lengthOf(v);
   return length > 1e-9 ? v / length : glm::dvec2(0.0);
 }
-
-// ---- The ways ahead
-// -------------------------------------------------------------------------------
 
 /// A way's corners up to the reach, the user first.
 struct Corners {
@@ -98,23 +96,36 @@ double turnsOf(const LikelyWay& way) {
   return sum;
 }
 
-// ---- Walking in thought
-// ---------------------------------------------------------------------------
+/// How likely a way is, by its direction over the first metres; of a way straight ahead: 1.
+/// `sense` is zero for somebody who walks, else the way they turn on the spot.
+double likelihood(glm::dvec2 way, glm::dvec2 direction, glm::dvec2 facing, double sense,
+                  const PredictiveSettings& settings) {
+  if (sense == 0.0) {
+    return std::exp(settings.agreement * (dot(unit(way), direction) - 1.0));
+  }
+  // A turn goes on to the next ways round; hardly anybody turns back. What lies nearly behind may
+  // have been passed, or be what the turn is for.
+  constexpr double kBehind = -2.6;    // radians
+  constexpr double kTurnsBack = 8.0;  // 1/radian
+  const double left = angleBetween(facing, way) * (sense > 0.0 ? 1.0 : -1.0);
+  if (left < kBehind) return std::exp(kBehind / settings.turnDecay);
+  return std::exp(left < 0.0 ? kTurnsBack * left : -left / settings.turnDecay);
+}
 
-/// Somebody in the room, in thought.
-struct Walker {
-  glm::dvec2 position;
-  glm::dvec2 heading;   ///< unit
-  double walked = 0.0;  ///< virtual metres from now
-  double cost = 0.0;
-  int first = 0;  ///< which first choice this one descends from
-};
+/// One more way; with the table full the unlikeliest one makes room.
+LikelyWay& slotFor(WaysAhead& ahead) {
+  if (ahead.count < WaysAhead::kMost) return ahead.ways[static_cast<std::size_t>(ahead.count++)];
+  return *std::min_element(
+      ahead.ways.begin(), ahead.ways.end(),
+      [](const LikelyWay& a, const LikelyWay& b) { return a.weight < b.weight; });
+}
 
 }  // namespace
 
 WaysAhead waysAhead(const PredictionGraph* graph, glm::dvec2 direction, glm::dvec2 facing,
                     const PredictiveSettings& settings) {
   WaysAhead ahead;
+  const double sense = dot(facing, direction) < 1.0 - 1e-12 ? angleBetween(facing, direction) : 0.0;
   std::array<glm::dvec2, WaysAhead::kMost> near{};
   std::array<glm::dvec2, WaysAhead::kMost> far{};
   std::array<double, WaysAhead::kMost> best{};
@@ -126,11 +137,13 @@ WaysAhead waysAhead(const PredictionGraph* graph, glm::dvec2 direction, glm::dve
       const double distance = static_cast<double>(graph->node(terminal).distance);
       if (distance < 0.3) continue;  // to where the user stands already
       const Corners corners = cornersOf(*graph, terminal, settings.reach);
-      const double reach = std::min(settings.agreementReach, distance);
+      // A bend within reach must not make the way up to it look unlikely.
+      const double bendAt = lengthOf(corners.points[1] - source);
+      const double reach =
+          std::min(std::clamp(bendAt, kNearestBend, settings.agreementReach), distance);
       const glm::dvec2 there = pointAt(corners, reach);
-      const double cosine = dot(unit(there - source), direction);
       // A way that ends at once is a corner of the room rather than a destination.
-      const double weight = std::exp(settings.agreement * (cosine - 1.0)) *
+      const double weight = likelihood(there - source, direction, facing, sense, settings) *
                             std::min(1.0, distance / settings.agreementReach);
       total += weight;
       mean += weight * (there - source) / reach;
@@ -168,6 +181,16 @@ WaysAhead waysAhead(const PredictionGraph* graph, glm::dvec2 direction, glm::dve
       ahead.ways[k].weight = merged;
     }
   }
+  if (ahead.count > 0 && sense == 0.0) {
+    // Goals lie beside ways too: who walks where no way leads will go on for a while.
+    LikelyWay& straight = slotFor(ahead);
+    straight = LikelyWay{};
+    straight.pieces[0] = {0.0, settings.straightOnLength};
+    straight.count = 1;
+    straight.weight = settings.straightOn;
+    mean += settings.straightOn * direction;
+    total += settings.straightOn;
+  }
   double kept = 0.0;
   for (int i = 0; i < ahead.count; ++i) kept += ahead.ways[static_cast<std::size_t>(i)].weight;
   if (!(kept > 1e-12)) {
@@ -195,10 +218,43 @@ WaysAhead waysAhead(const PredictionGraph* graph, glm::dvec2 direction, glm::dve
 
 namespace {
 
+constexpr int kCurvatures = 3;  // right, none, left
+constexpr int kRotations = 5;   // from the lowest gain to the highest, the third neutral
+constexpr int kMostChoices = kRotations;
+constexpr int kBeam = 2;  // walkers kept of each first choice, piece after piece
+
+using Costs = std::array<double, kMostChoices>;
+
+/// A low rotation gain turns the body further than the eyes.
+double rotationOf(int choice, const GainLimits& limits) {
+  const double low = static_cast<double>(limits.rotationMin);
+  const double high = static_cast<double>(limits.rotationMax);
+  return choice < 2 ? low + 0.5 * choice * (1.0 - low) : 1.0 + 0.5 * (choice - 2) * (high - 1.0);
+}
+
+double curvatureOf(int choice, const GainLimits& limits) {
+  return (choice - 1) * static_cast<double>(limits.curvatureMax);
+}
+
+/// Somebody in the room, in thought.
+struct Walker {
+  glm::dvec2 position;
+  double heading;         ///< radians
+  int first;              ///< which first choice this one descends from
+  double walked = 0.0;    ///< virtual metres from now
+  double faithful = 1.0;  ///< how likely the user still follows the way that is thought of
+  double cost = 0.0;      ///< up to here, and of having left the way before
+  double value = 0.0;     ///< cost, and what the pose promises
+};
+
 class Predictive final : public Controller {
  public:
   Predictive(SteerRule rule, const PredictiveSettings& settings)
       : rule_(rule), settings_(settings) {}
+
+  void prepare(const TrackedSpace& space, const GainLimits& limits) override {
+    room_ = RoomValue(space, limits, rule_, settings_.room);
+  }
 
   Gains steer(const SteerInput& input) override {
     const Motion& motion = input.motion;
@@ -217,7 +273,7 @@ class Predictive final : public Controller {
     if (turning != planned_ || untilPlan_ <= 0.0) {
       plan(input, turning);
       planned_ = turning;
-      untilPlan_ = settings_.replanEvery;
+      untilPlan_ = turning ? 0.5 * settings_.replanEvery : settings_.replanEvery;
     }
 
     Gains gains;
@@ -244,10 +300,6 @@ class Predictive final : public Controller {
   bool wantsPrediction() const override { return true; }
 
  private:
-  static constexpr int kChoices = 3;
-  static constexpr int kBeam = 4;       // survivors per first choice and piece
-  static constexpr double kStep = 0.25;  // metres between looks at the border
-
   void plan(const SteerInput& input, bool turning) {
     const Motion& motion = input.motion;
     const glm::dvec2 facing = directionOf(input.virtualPose.heading);
@@ -258,31 +310,18 @@ class Predictive final : public Controller {
     const glm::dvec2 from = turning ? facing : travel;
     const WaysAhead ahead = waysAhead(input.graph, travel, from, settings_);
 
-    const glm::dvec2 meanDirection =
-        ahead.meanDirection == glm::dvec2(0.0) ? travel : ahead.meanDirection;
-    const glm::dvec2 expected = input.redirection.directionToPhysical(meanDirection);
-    target_ = targetFor(input, expected, ahead.meanTurn);
-
-    std::array<double, kChoices> expectedCost{};
-    const glm::dvec2 heading = input.redirection.directionToPhysical(from);
-    for (int i = 0; i < ahead.count; ++i) {
-      const LikelyWay& way = ahead.ways[static_cast<std::size_t>(i)];
-      std::array<double, kChoices> cost;
-      walkInThought(input, way, heading, turning, cost);
-      for (int c = 0; c < kChoices; ++c) {
-        expectedCost[static_cast<std::size_t>(c)] += way.weight * cost[static_cast<std::size_t>(c)];
+    Costs costs = ruleCosts(input, turning, from, travel, ahead);
+    if (!room_.empty()) {
+      const double heading = headingOf(input.redirection.directionToPhysical(from));
+      for (int i = 0; i < ahead.count; ++i) {
+        const LikelyWay& way = ahead.ways[static_cast<std::size_t>(i)];
+        if (way.weight < kUnlikely) continue;
+        const Costs walked = walkInThought(input, way, heading, turning);
+        for (std::size_t c = 0; c < costs.size(); ++c) costs[c] += way.weight * walked[c];
       }
     }
-    // Ties go to the side that the target rule asks for.
-    const double bearing = angleBetween(expected, target_ - input.physical.position);
-    const int towardTarget =
-        turning ? (bearing * motion.turn > 0.0 ? 0 : 2) : (bearing > 0.0 ? 2 : 0);
-    int best = towardTarget;
-    for (int c = 0; c < kChoices; ++c) {
-      if (expectedCost[static_cast<std::size_t>(c)] <
-          expectedCost[static_cast<std::size_t>(best)] - 1e-6)
-        best = c;
-    }
+    const auto end = costs.begin() + (turning ? kRotations : kCurvatures);
+    const int best = static_cast<int>(std::min_element(costs.begin(), end) - costs.begin());
     if (turning) {
       rotation_ = rotationOf(best, input.limits);
     } else {
@@ -290,14 +329,32 @@ class Predictive final : public Controller {
     }
   }
 
-  /// Choice 0, 1, 2 as a gain. A low rotation gain turns the body further than the eyes.
-  static double rotationOf(int choice, const GainLimits& limits) {
-    return choice == 0   ? static_cast<double>(limits.rotationMin)
-           : choice == 1 ? 1.0
-                         : static_cast<double>(limits.rotationMax);
-  }
-  static double curvatureOf(int choice, const GainLimits& limits) {
-    return (choice - 1) * static_cast<double>(limits.curvatureMax);
+  /// What the target rule has against each choice: the bearing of its target after the turn, or
+  /// whether the curvature leads away from it.
+  Costs ruleCosts(const SteerInput& input, bool turning, glm::dvec2 from, glm::dvec2 travel,
+                  const WaysAhead& ahead) {
+    const glm::dvec2 mean = ahead.meanDirection == glm::dvec2(0.0) ? travel : ahead.meanDirection;
+    const glm::dvec2 expected = input.redirection.directionToPhysical(mean);
+    const glm::dvec2 toTarget =
+        targetFor(input, expected, ahead.meanTurn) - input.physical.position;
+    const glm::dvec2 heading = input.redirection.directionToPhysical(from);
+    const double turnLeft = angleBetween(from, mean);
+    Costs costs{};
+    if (turning) {
+      for (int c = 0; c < kRotations; ++c) {
+        const glm::dvec2 after = rotated(heading, turnLeft / rotationOf(c, input.limits));
+        costs[static_cast<std::size_t>(c)] =
+            settings_.rule * std::abs(angleBetween(after, toTarget)) / kPi;
+      }
+    } else {
+      // Damped near the right bearing, as the reactive rule is.
+      const double side =
+          std::clamp(angleBetween(expected, toTarget) / core_.dampedBearing, -1.0, 1.0);
+      for (int c = 0; c < kCurvatures; ++c) {
+        costs[static_cast<std::size_t>(c)] = -0.1 * settings_.rule * (c - 1) * side;
+      }
+    }
+    return costs;
   }
 
   glm::dvec2 targetFor(const SteerInput& input, glm::dvec2 expected, double meanTurn) {
@@ -309,110 +366,105 @@ class Predictive final : public Controller {
         std::abs(angleBetween(expected, targets.counterClockwise - position)) - 0.5 * meanTurn;
     const double clockwise =
         std::abs(angleBetween(expected, targets.clockwise - position)) + 0.5 * meanTurn;
-    orbitSense_ = clockwise < counterClockwise ? -1 : 1;
-    return orbitSense_ < 0 ? targets.clockwise : targets.counterClockwise;
+    return clockwise < counterClockwise ? targets.clockwise : targets.counterClockwise;
   }
 
-  /// The least cost of walking `way` after each of the three first choices, the later ones free.
-  void walkInThought(const SteerInput& input, const LikelyWay& way, glm::dvec2 heading,
-                     bool turning, std::array<double, kChoices>& cost) const {
-    std::array<Walker, kChoices * kBeam> beam;
-    std::array<Walker, kChoices * kBeam * 9> next;
+  /// The least cost of walking `way` after each of the first choices, the later ones free.
+  Costs walkInThought(const SteerInput& input, const LikelyWay& way, double heading,
+                      bool turning) const {
+    std::array<Walker, kMostChoices * kBeam> beam;
+    std::array<Walker, kMostChoices * kBeam * kCurvatures> next;
     int alive = 0;
-    for (int c = 0; c < kChoices; ++c) {
-      beam[static_cast<std::size_t>(alive++)] = {input.physical.position, heading, 0.0, 0.0, c};
+    for (int c = 0; c < (turning ? kRotations : kCurvatures); ++c) {
+      beam[static_cast<std::size_t>(alive++)] = {input.physical.position, heading, c};
     }
     for (int p = 0; p < way.count; ++p) {
       const LikelyWay::Piece& piece = way.pieces[static_cast<std::size_t>(p)];
       int born = 0;
       for (int i = 0; i < alive; ++i) {
-        const Walker& walker = beam[static_cast<std::size_t>(i)];
-        const bool bends = std::abs(piece.turn) > kSmallestBend;
-        for (int r = 0; r < kChoices; ++r) {
-          if (p == 0 && turning ? r != walker.first : !bends && r != 1) continue;
-          for (int c = 0; c < kChoices; ++c) {
-            if (p == 0 && !turning && c != walker.first) continue;
-            Walker child = walker;
-            child.heading = rotated(walker.heading, piece.turn / rotationOf(r, input.limits));
-            walkPiece(input.space, piece.length, curvatureOf(c, input.limits), child);
-            next[static_cast<std::size_t>(born++)] = child;
-          }
+        Walker walker = beam[static_cast<std::size_t>(i)];
+        if (p == 0 && turning) {
+          walker.heading += piece.turn / rotationOf(walker.first, input.limits);
+        } else {
+          walker.heading += cornerInThought(walker, piece.turn, input.limits);
+        }
+        for (int c = 0; c < kCurvatures; ++c) {
+          if (p == 0 && !turning && c != walker.first) continue;
+          next[static_cast<std::size_t>(born++)] =
+              walkPiece(input.space, piece.length, curvatureOf(c, input.limits), walker);
         }
       }
-      alive = survivors(input, next, born, beam);
+      alive = survivors(next, born, beam);
     }
-    cost.fill(INFINITY);
-    for (int i = 0; i < alive; ++i) {
+    Costs costs{};
+    // The best of each first choice comes first, so it is written last.
+    for (int i = alive - 1; i >= 0; --i) {
       const Walker& walker = beam[static_cast<std::size_t>(i)];
-      double& least = cost[static_cast<std::size_t>(walker.first)];
-      least = std::min(least, walker.cost + prospect(input, walker));
+      costs[static_cast<std::size_t>(walker.first)] = walker.value;
     }
+    return costs;
   }
 
-  /// Keeps the kBeam best of each first choice.
-  int survivors(const SteerInput& input, const std::array<Walker, kChoices * kBeam * 9>& next,
-                int born, std::array<Walker, kChoices * kBeam>& beam) const {
-    std::array<double, kChoices * kBeam * 9> value;
-    for (int i = 0; i < born; ++i) {
-      value[static_cast<std::size_t>(i)] = next[static_cast<std::size_t>(i)].cost +
-                                           prospect(input, next[static_cast<std::size_t>(i)]);
-    }
-    int alive = 0;
-    for (int first = 0; first < kChoices; ++first) {
-      for (int k = 0; k < kBeam; ++k) {
-        int best = -1;
-        for (int i = 0; i < born; ++i) {
-          if (next[static_cast<std::size_t>(i)].first != first) continue;
-          if (best < 0 ||
-              value[static_cast<std::size_t>(i)] < value[static_cast<std::size_t>(best)])
-            best = i;
-        }
-        if (best < 0 || value[static_cast<std::size_t>(best)] == INFINITY) break;
-        beam[static_cast<std::size_t>(alive++)] = next[static_cast<std::size_t>(best)];
-        value[static_cast<std::size_t>(best)] = INFINITY;
+  /// The physical turn that a virtual one becomes: in corners the best that gains can make of it.
+  double cornerInThought(const Walker& walker, double turn, const GainLimits& limits) const {
+    if (std::abs(turn) <= kSmallestBend) return turn;
+    double best = turn;
+    double least = INFINITY;
+    for (int r = 0; r < kRotations; ++r) {
+      const double physical = turn / rotationOf(r, limits);
+      const double value = room_.at(walker.position, walker.heading + physical);
+      if (value < least) {
+        least = value;
+        best = physical;
       }
     }
-    return alive;
+    return best;
   }
 
   /// Walks straight in virtual space, curved in the room; a reset turns the body round and costs.
-  void walkPiece(const TrackedSpace& space, double length, double curvature, Walker& walker) const {
-    const int steps = std::max(1, static_cast<int>(std::ceil(length / kStep)));
-    const double step = length / steps;
-    const double c = std::cos(0.5 * curvature * step);
-    const double s = std::sin(0.5 * curvature * step);
-    const auto halfTurn = [&](glm::dvec2 v) {
-      return glm::dvec2(c * v.x - s * v.y, s * v.x + c * v.y);
-    };
-    for (int i = 0; i < steps; ++i) {
-      const glm::dvec2 chord = halfTurn(walker.heading);
-      const glm::dvec2 ahead = walker.position + (step + settings_.stopDistance) * chord;
-      if (!space.contains(ahead)) {
-        // The further off, the more may happen before.
-        walker.cost += std::exp(-walker.walked / 12.0);
-        walker.heading = -walker.heading;
-        const glm::dvec2 back = halfTurn(walker.heading);
-        walker.position += step * back;
-        walker.heading = halfTurn(back);
-      } else {
-        walker.position += step * chord;
-        walker.heading = halfTurn(chord);
-      }
-      walker.walked += step;
+  Walker walkPiece(const TrackedSpace& space, double length, double curvature,
+                   Walker walker) const {
+    for (double left = length; left > 1e-6;) {
+      const ThoughtStep step =
+          stepInThought(space, walker.position, walker.heading, std::min(left, kLongestStep),
+                        curvature, settings_.room);
+      walker.position = step.position;
+      walker.heading = step.heading;
+      walker.walked += step.walked;
+      left -= step.walked;
+      if (step.reset) walker.cost += walker.faithful * discount(walker);
     }
+    const double onward = discount(walker) * room_.at(walker.position, walker.heading);
+    walker.value = walker.cost + walker.faithful * onward;
+    const double strays = -std::expm1(-length / settings_.faith);
+    walker.cost += walker.faithful * strays * onward;
+    walker.faithful *= 1.0 - strays;
+    return walker;
   }
 
-  /// What the pose at the end of a walk promises: resets to come, by the free way ahead and by how
-  /// far the target rule would have to turn it.
-  double prospect(const SteerInput& input, const Walker& walker) const {
-    const double free = input.space.distanceAlong(walker.position, walker.heading);
-    glm::dvec2 to = input.space.centre() - walker.position;
-    if (rule_ == SteerRule::kOrbit) {
-      const OrbitTargets targets = orbitTargets(walker.position, walker.heading, input.space);
-      to = (orbitSense_ < 0 ? targets.clockwise : targets.counterClockwise) - walker.position;
+  double discount(const Walker& walker) const {
+    return std::exp(-walker.walked / settings_.room.foresight);
+  }
+
+  /// Keeps the kBeam best of each first choice, the best before the next. Spoils `next`.
+  static int survivors(std::array<Walker, kMostChoices * kBeam * kCurvatures>& next, int born,
+                       std::array<Walker, kMostChoices * kBeam>& beam) {
+    int alive = 0;
+    for (int first = 0; first < kMostChoices; ++first) {
+      for (int k = 0; k < kBeam; ++k) {
+        int best = -1;
+        for (int i = 0; i < born; ++i) {
+          const Walker& walker = next[static_cast<std::size_t>(i)];
+          if (walker.first == first &&
+              (best < 0 || walker.value < next[static_cast<std::size_t>(best)].value))
+            best = i;
+        }
+        if (best < 0) break;
+        beam[static_cast<std::size_t>(alive++)] = next[static_cast<std::size_t>(best)];
+        next[static_cast<std::size_t>(best)].first = -1;
+      }
     }
-    const double off = std::abs(angleBetween(walker.heading, to));
-    return std::exp(-walker.walked / 12.0) * (std::exp(-free / 3.0) + 0.15 * off / kPi);
+    return alive;
   }
 
   float translationFor(const SteerInput& input) const {
@@ -423,14 +475,16 @@ class Predictive final : public Controller {
     return free < input.space.clearance() ? input.limits.translationMax : 1.0f;
   }
 
+  static constexpr double kUnlikely = 0.02;    // weight of ways that are not worth a thought
+  static constexpr double kLongestStep = 1.0;  // metres between looks at the border
+
   SteerRule rule_;
   PredictiveSettings settings_;
   SteerToSettings core_;
   CentreTarget centre_;
-  glm::dvec2 target_{0.0};
-  int orbitSense_ = 1;
+  RoomValue room_;
   double untilPlan_ = 0.0;
-  bool planned_ = false;
+  bool planned_ = false;  // what the last plan was for: turning or walking
   double curvature_ = 0.0;
   double rotation_ = 1.0;
   double smoothed_ = 0.0;

@@ -7,26 +7,37 @@
 // that direction. Because the graph knows the next corners as well, the likely ways are walked in
 // thought through the room under each choice that the gains allow, resets included, in the manner
 // of Zmuda et al. (FORCE, TVCG 2013) and Nescher et al. (MPCRed, 3DUI 2014): curvature to either
-// side or none on the straights, rotation gain to either end or none in the corners. The choice
-// with the lowest expected cost is made; the target rule gives the value of the pose in which such
-// a walk ends, and decides ties.
+// side or none on the straights, rotation gain between its ends in the corners. The choice with the
+// lowest expected cost is made. Where a thought ends, or the user may have left the way that is
+// thought of, the pose's value in the room goes on (rdw/room_value.h), in which the target rule has
+// its share.
 #pragma once
 
 #include <array>
 #include <memory>
 
+#include "rdw/room_value.h"
 #include "rdw/steer_to.h"
 
 namespace forewalk::rdw {
 
 struct PredictiveSettings {
-  double agreement =
-      5.0;  ///< concentration of the weights about the direction of travel (von Mises)
-  double agreementReach = 2.5;  ///< a way's direction is that of its first so many metres
-  double reach = 9.0;           ///< how far ways are walked in thought, virtual metres
-  double replanEvery = 0.1;     ///< seconds between plans; the chosen gains are kept meanwhile
-  double stopDistance = 0.25;   ///< free floor that is left ahead of somebody stopped, metres
-  bool translation = false;     ///< also scale translation: less physical way toward walls
+  double agreement = 20.0;        ///< concentration of the weights about the direction of travel
+                                  ///< (von Mises)
+  double agreementReach = 2.5;    ///< a way's direction is that of its first so many metres, or up
+                                  ///< to its first bend
+  double turnDecay = 0.6;         ///< who turns on the spot: a way so many radians further round is
+                                  ///< 1/e as likely
+  double straightOn = 0.15;       ///< weight of walking straight on, wherever ways lead; that of a
+                                  ///< way straight ahead is 1
+  double straightOnLength = 1.0;  ///< how far that is thought of, metres
+  double faith = 1.5;             ///< a way is left, for reasons unknown, every so many metres, > 0
+  double reach = 6.0;             ///< how far ways are walked in thought, virtual metres
+  double replanEvery = 0.1;  ///< seconds between plans, half of that while turning on the spot; the
+                             ///< chosen gains are kept meanwhile
+  double rule = 0.1;         ///< weight of the target rule's bearing in a choice, resets
+  bool translation = false;  ///< also scale translation: less physical way toward walls
+  RoomValueSettings room;
 };
 
 /// One way ahead in virtual space, as a walker does it: turn on the spot, then walk straight; and
@@ -43,7 +54,7 @@ struct LikelyWay {
 };
 
 /// The likely ways of a frame: at most kMost, ways that run together for the first metres taken as
-/// one.
+/// one, and one straight on.
 struct WaysAhead {
   static constexpr int kMost = 5;
   std::array<LikelyWay, kMost> ways{};
@@ -53,13 +64,17 @@ struct WaysAhead {
   double meanTurn = 0.0;  ///< expected sum of the turns ahead, virtual radians, left positive
 };
 
-/// The ways of `graph` as somebody at its source sees them who travels along unit vector
-/// `direction` (virtual) and faces unit vector `facing`, from which the first piece's turn is
-/// measured. Without a graph, or with one of the source alone: one way straight along `direction`.
+/// The ways of `graph` as somebody at its source sees them who faces unit vector `facing`
+/// (virtual), from which the first piece's turn is measured, and travels along unit vector
+/// `direction`. Where the two are equal they walk, and ways that agree with the walk are likely;
+/// where not they turn on the spot from `facing` by way of `direction`, and the next ways round are
+/// likely. Without a graph, or with one of the source alone: one way straight along `direction`.
 /// O(terminals * corners), allocates nothing.
 WaysAhead waysAhead(const prediction::PredictionGraph* graph, glm::dvec2 direction,
                     glm::dvec2 facing, const PredictiveSettings& settings);
 
+/// A controller that has to be prepared for its room (Controller::prepare); until then it follows
+/// the target rule alone. A frame costs what waysAhead costs, and up to 40 us more when it plans.
 std::unique_ptr<Controller> makePredictive(SteerRule rule, const PredictiveSettings& settings = {});
 
 }  // namespace forewalk::rdw

@@ -24,6 +24,17 @@ double Reset::stoppingDistance(double speed) const {
          speed * speed / (2.0 * settings_.deceleration);
 }
 
+// The smoothed speed says too late that somebody beside a border sets off towards it; of them the
+// step itself is looked at. Further off the smoothed speed does, and is not misled by a head that
+// sways.
+bool Reset::setsOffTowardBorder(const Motion& motion, glm::dvec2 physical,
+                                const TrackedSpace& space) const {
+  constexpr double kSlowest = 0.1;  // m/s; slower steps are those of standing
+  if (!motion.usable() || !(motion.distance > kSlowest * motion.dt)) return false;
+  const double free = space.distanceAlong(physical, motion.step / motion.distance);
+  return free <= settings_.clearance + motion.distance;
+}
+
 bool Reset::mustStop(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space,
                      Step& step) const {
   if (!space.contains(physical)) {
@@ -31,7 +42,7 @@ bool Reset::mustStop(const Motion& motion, glm::dvec2 physical, const TrackedSpa
     const glm::dvec2 inward = space.nearestBorder(physical).inward;
     return motion.walking && glm::dot(motion.walkingDirection, inward) <= 0.0;
   }
-  if (!motion.walking) return false;
+  if (!motion.walking) return setsOffTowardBorder(motion, physical, space);
   const double free = space.distanceAlong(physical, motion.walkingDirection);
   // In the next frame it would be too late.
   const double stop = stoppingDistance(motion.speed) + motion.speed * motion.dt;

@@ -59,6 +59,8 @@ class Reset {
   ///   clearance + speed * reactionTime + speed^2 / (2 * deceleration). How near the border is to
   ///   the side does not count: somebody beside a wall who walks along it would be turned back and
   ///   forth in a corner for ever;
+  /// - inside, not walking yet: a step faster than 0.1 m/s leads along less than clearance of free
+  ///   floor;
   /// - outside: the walk does not lead back. Walking back in from outside is let be.
   /// Somebody near a border who stands, or walks away from it or along it, is let be.
   ///
@@ -78,6 +80,8 @@ class Reset {
  private:
   bool mustStop(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space,
                 Step& step) const;
+  bool setsOffTowardBorder(const Motion& motion, glm::dvec2 physical,
+                           const TrackedSpace& space) const;
 
   ResetSettings settings_;
   ResetState state_;

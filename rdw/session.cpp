@@ -65,6 +65,7 @@ tl::expected<Session, Error> Session::make(std::shared_ptr<const navmesh::World>
   if (settings.prediction.polygons < 1)
     return outOfRange("session: a limit of 0 predicted polygons cannot work: give 1 or more.");
 
+  (*controller)->prepare(settings.space, settings.limits);
   const std::optional<VirtualStart> start = settings.start;
   Session session(std::move(world), std::move(settings), std::move(*controller));
   if (start && !session.teleport(*start)) {

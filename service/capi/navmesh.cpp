@@ -172,8 +172,7 @@ forewalk_status forewalk_navmesh_from_triangles(const float* vertices, size_t ve
     Preparation preparation;
     if (const forewalk_status status = read(settings, preparation)) return status;
     if (axes != FOREWALK_AXES_OPENXR) preparation.import.up = navmesh::UpAxis::kY;
-    Triangles triangles =
-        trianglesFrom(axes, {vertices, 3 * vertex_count}, {indices, index_count});
+    Triangles triangles = trianglesFrom(axes, {vertices, 3 * vertex_count}, {indices, index_count});
     const auto scene = navmesh::makeScene("triangles in memory", triangles.vertices,
                                           triangles.indices, preparation.import);
     if (!scene) return fail(scene.error());

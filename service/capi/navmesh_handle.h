@@ -12,6 +12,7 @@
 /// Only read after it is made, but for `owners`. Sessions hold the world, not this.
 struct forewalk_navmesh {
   std::shared_ptr<const forewalk::navmesh::World> world;
-  std::vector<std::byte> fwmesh;  ///< kept in place of the half-edge mesh, which is several times larger
+  std::vector<std::byte>
+      fwmesh;  ///< kept in place of the half-edge mesh, which is several times larger
   std::atomic<std::uint32_t> owners{1};
 };

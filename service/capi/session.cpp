@@ -49,8 +49,7 @@ static_assert(FOREWALK_INSTRUCTION_TURN_AROUND ==
               static_cast<int>(rdw::ResetInstruction::kTurnAround));
 static_assert(FOREWALK_INSTRUCTION_KEEP_TURNING ==
               static_cast<int>(rdw::ResetInstruction::kKeepTurning));
-static_assert(FOREWALK_INSTRUCTION_WALK_BACK ==
-              static_cast<int>(rdw::ResetInstruction::kWalkBack));
+static_assert(FOREWALK_INSTRUCTION_WALK_BACK == static_cast<int>(rdw::ResetInstruction::kWalkBack));
 
 constexpr float kDefaultSide = 4.0f;  // of the tracked space, metres
 
@@ -86,10 +85,9 @@ tl::unexpected<Error> outOfRange(std::string message) {
 }
 
 forewalk_status unknownConstant(const char* field, std::int32_t value, int last) {
-  return fail(FOREWALK_ERROR_ARGUMENT, "forewalk_session_settings: " + std::string(field) + " " +
-                                           std::to_string(value) +
-                                           " is no constant of this version (0 to " +
-                                           std::to_string(last) + ").");
+  return fail(FOREWALK_ERROR_ARGUMENT,
+              "forewalk_session_settings: " + std::string(field) + " " + std::to_string(value) +
+                  " is no constant of this version (0 to " + std::to_string(last) + ").");
 }
 
 // Right and forward are the plan's two axes in every convention; only the unit differs.
@@ -109,7 +107,8 @@ tl::expected<rdw::TrackedSpace, Error> spaceOf(const forewalk_session_settings& 
     return rdw::TrackedSpace::rectangle(side(settings.width), side(settings.depth));
   }
   if (settings.border_count == 0) {
-    return outOfRange("forewalk_session_settings: holes without a border. Give the border's points.");
+    return outOfRange(
+        "forewalk_session_settings: holes without a border. Give the border's points.");
   }
   std::vector<glm::dvec2> border;
   border.reserve(settings.border_count);

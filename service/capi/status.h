@@ -28,9 +28,10 @@ forewalk_status guarded(Body&& body) noexcept {
   try {
     return body();
   } catch (const std::bad_alloc&) {
-    return failLiteral(FOREWALK_ERROR_OUT_OF_MEMORY,
-                       "out of memory: a smaller scene, a larger cell or a lower polygon_limit needs "
-                       "less.");
+    return failLiteral(
+        FOREWALK_ERROR_OUT_OF_MEMORY,
+        "out of memory: a smaller scene, a larger cell or a lower polygon_limit needs "
+        "less.");
   } catch (const std::exception& exception) {
     try {
       return fail(FOREWALK_ERROR_INTERNAL,
@@ -48,17 +49,20 @@ forewalk_status guarded(Body&& body) noexcept {
 template <typename Struct>
 inline constexpr std::size_t kFirstSize = 0;
 template <>
-inline constexpr std::size_t kFirstSize<forewalk_build_settings> =
-    offsetof(forewalk_build_settings, partition) + sizeof(forewalk_partition);
+inline constexpr std::size_t kFirstSize<forewalk_build_settings> = offsetof(forewalk_build_settings,
+                                                                            partition) +
+                                                                   sizeof(forewalk_partition);
 template <>
 inline constexpr std::size_t kFirstSize<forewalk_session_settings> =
     offsetof(forewalk_session_settings, reserved) + sizeof(std::uint32_t);
 template <>
-inline constexpr std::size_t kFirstSize<forewalk_frame_out> =
-    offsetof(forewalk_frame_out, steer_seconds) + sizeof(float);
+inline constexpr std::size_t kFirstSize<forewalk_frame_out> = offsetof(forewalk_frame_out,
+                                                                       steer_seconds) +
+                                                              sizeof(float);
 template <>
-inline constexpr std::size_t kFirstSize<forewalk_graph_view> =
-    offsetof(forewalk_graph_view, complete_to) + sizeof(float);
+inline constexpr std::size_t kFirstSize<forewalk_graph_view> = offsetof(forewalk_graph_view,
+                                                                        complete_to) +
+                                                               sizeof(float);
 
 /// Whether some version of the struct can have this size. What is far larger than a struct of ours
 /// was never set.

@@ -86,6 +86,35 @@ TEST(ResetTrigger, DoesNotTurnSomebodyBackAndForthInACorner) {
   EXPECT_FALSE(reset.frame(walking(directionOf(85 * kPi / 180)), {2.75, 2.86}, kRoom).began);
 }
 
+TEST(ResetTrigger, StopsWhoeverSetsOffTowardTheBorderBesideThem) {
+  // What the motion tracker says of somebody who speeds up by 2 m/s^2 from standing.
+  const auto walkedBefore = [](double x, double towards) {
+    Reset reset;
+    MotionTracker tracker;
+    double walked = 0.0, speed = 0.0;
+    for (int i = 0; i < 60; ++i) {
+      const glm::dvec2 place(x + towards * walked, 0.0);
+      HeadPose head;
+      head.position = navmesh::toSpace(glm::vec2(place), 1.7f);
+      if (reset.frame(tracker.frame(head, i / 60.0), place, kRoom).began) return walked;
+      speed = std::min(1.0, speed + 2.0 / 60.0);
+      walked += speed / 60.0;
+    }
+    return walked;
+  };
+  EXPECT_LT(walkedBefore(2.9, 1.0), 0.02);
+  EXPECT_LT(walkedBefore(2.8, 1.0), 0.02);
+  EXPECT_LT(walkedBefore(2.75, 1.0), 0.07);
+  EXPECT_GT(walkedBefore(2.9, -1.0), 0.5) << "away from it";
+}
+
+TEST(ResetTrigger, LetsAHeadSwayBesideTheBorder) {
+  Reset reset;
+  for (double speed : {0.0, 0.05, 0.09}) {
+    EXPECT_FALSE(reset.frame(walking({1, 0}, speed), {2.95, 0}, kRoom).began) << speed;
+  }
+}
+
 TEST(ResetTrigger, OutsideItLetsThoseBeWhoWalkBack) {
   Reset reset;
   Reset::Step step = reset.frame(walking({-1, 0}), {3.5, 0}, kRoom);

@@ -203,7 +203,7 @@ TEST(CapiAxes, DoNotChangeTheVirtualWalkOfARecordedUser) {
       << forewalk_last_error();
   const testing::NavMeshHandle navmesh(made);
   forewalk_session_settings settings = testing::defaultSettings();
-  settings.width = settings.depth = 20.0f;  // smaller than the walk, so that there are resets
+  settings.width = settings.depth = 10.0f;  // smaller than the walk, so that there are resets
   settings.limits = FOREWALK_LIMITS_LABORATORY;
   std::vector<TimedHead> heads = recordedHeads(walks->front());
   heads.resize(std::min<std::size_t>(heads.size(), 1800));

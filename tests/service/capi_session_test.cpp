@@ -439,6 +439,7 @@ TEST(CapiFrame, ReportsOddInputAndGoesOn) {
     for (const Odd& odd : odds) {
       forewalk_session_settings settings = defaultSettings();
       settings.axes = axes;
+      if (axes > 0) settings.controller = FOREWALK_CONTROLLER_S2O;  // soon made
       const SessionHandle session = makeSession(navmesh, settings);
       forewalk_frame_out out{};
       out.struct_size = sizeof out;
