@@ -30,7 +30,9 @@ double Reset::stoppingDistance(double speed) const {
 bool Reset::setsOffTowardBorder(const Motion& motion, glm::dvec2 physical,
                                 const TrackedSpace& space) const {
   constexpr double kSlowest = 0.1;  // m/s; slower steps are those of standing
-  if (!motion.usable() || !(motion.distance > kSlowest * motion.dt)) return false;
+  // A corner can leave no way out but along a wall: nobody is turned back and forth there for ever.
+  constexpr int kMostInARow = 3;
+  if (resetsSinceWalk_ >= kMostInARow || !motion.usable() || !(motion.distance > kSlowest * motion.dt)) return false;
   const double free = space.distanceAlong(physical, motion.step / motion.distance);
   return free <= settings_.clearance + motion.distance;
 }
@@ -54,6 +56,7 @@ Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const Tracke
   Step step;
   const bool stop = mustStop(motion, physical, space, step);
   if (!state_.turning) {
+    if (motion.walking) resetsSinceWalk_ = 0;
     state_ = ResetState{};
     if (stop && motion.usable()) {
       // The turn of this very frame belongs to the walk; the reset counts from the next one.
@@ -62,6 +65,7 @@ Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const Tracke
       state_.instruction = ResetInstruction::kTurnAround;
       step.began = true;
       ++count_;
+      ++resetsSinceWalk_;
     } else if ((step.flags & kOutsideSpace) != 0) {
       state_.instruction = ResetInstruction::kWalkBack;
     }

@@ -60,7 +60,7 @@ class Reset {
   ///   the side does not count: somebody beside a wall who walks along it would be turned back and
   ///   forth in a corner for ever;
   /// - inside, not walking yet: a step faster than 0.1 m/s leads along less than clearance of free
-  ///   floor;
+  ///   floor. At most twice before the user has walked again after a reset;
   /// - outside: the walk does not lead back. Walking back in from outside is let be.
   /// Somebody near a border who stands, or walks away from it or along it, is let be.
   ///
@@ -86,6 +86,7 @@ class Reset {
   ResetSettings settings_;
   ResetState state_;
   std::uint64_t count_ = 0;
+  int resetsSinceWalk_ = 0;  ///< begun since the user last walked
 };
 
 }  // namespace forewalk::rdw

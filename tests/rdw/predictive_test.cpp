@@ -153,8 +153,8 @@ TEST(Predictive, CurvesAwayFromTheNearerWall) {
 
 /// Gains for somebody in the corridor's bend (or well before it), whose body is at `place` heading
 /// the way that they see as plan x.
-Gains steeredInCorridor(SteerRule rule, double side, float x, glm::dvec2 place, double heading,
-                        bool turning) {
+Gains steeredInCorridor(Controller& controller, double side, float x, glm::dvec2 place,
+                        double heading, bool turning) {
   const TrackedSpace room = *TrackedSpace::rectangle(6, 6);
   const navmesh::NavGraph graph = corridor(static_cast<float>(side));
   prediction::Scratch scratch(graph);
@@ -163,13 +163,12 @@ Gains steeredInCorridor(SteerRule rule, double side, float x, glm::dvec2 place, 
   const PlanarPose body{place, heading};
   const PlanarPose seen{glm::dvec2(ways.source.plan), headingOf(glm::dvec2(1, 0))};
   const Redirection map = alignment(body, seen);
-  auto controller = makePredictive(rule);
-  controller->prepare(room, kLaboratory);
+  controller.restart();
   Gains gains;
   for (int i = 0; i < 60; ++i) {
     gains =
-        controller->steer({turning ? turningOnTheSpot(side * 0.02) : walking(directionOf(heading)),
-                           body, seen, room, kLaboratory, map, &ways});
+        controller.steer({turning ? turningOnTheSpot(side * 0.02) : walking(directionOf(heading)),
+                          body, seen, room, kLaboratory, map, &ways});
   }
   return gains;
 }
@@ -178,8 +177,10 @@ TEST(Predictive, TurnsTheBodyTowardTheFreeSideInABend) {
   // Facing the wall at y = 3 from near by. In the bend the eyes turn by about 90 degrees: turned
   // further, the body faces the room; turned less, the wall.
   for (SteerRule rule : {SteerRule::kCentre, SteerRule::kOrbit}) {
+    auto controller = makePredictive(rule);
+    controller->prepare(*TrackedSpace::rectangle(6, 6), kLaboratory);
     for (double side : {1.0, -1.0}) {
-      const Gains gains = steeredInCorridor(rule, side, 9.7f, {0.0, 2.6}, 0.0, true);
+      const Gains gains = steeredInCorridor(*controller, side, 9.7f, {0.0, 2.6}, 0.0, true);
       EXPECT_LT(gains.rotation, 0.9f) << side;
       EXPECT_EQ(gains.curvature, 0.0f);
     }
@@ -188,10 +189,13 @@ TEST(Predictive, TurnsTheBodyTowardTheFreeSideInABend) {
 
 TEST(Predictive, SteersAMirroredWalkTheMirroredWay) {
   for (SteerRule rule : {SteerRule::kCentre, SteerRule::kOrbit}) {
+    auto controller = makePredictive(rule);
+    controller->prepare(*TrackedSpace::rectangle(6, 6), kLaboratory);
     for (const glm::dvec2 place : {glm::dvec2(2.2, -2.4), glm::dvec2(-1.9, 1.0)}) {
       for (const bool turning : {false, true}) {
-        const Gains left = steeredInCorridor(rule, 1.0, 6.0f, place, 0.3, turning);
-        const Gains right = steeredInCorridor(rule, -1.0, 6.0f, {-place.x, place.y}, -0.3, turning);
+        const Gains left = steeredInCorridor(*controller, 1.0, 6.0f, place, 0.3, turning);
+        const Gains right =
+            steeredInCorridor(*controller, -1.0, 6.0f, {-place.x, place.y}, -0.3, turning);
         EXPECT_EQ(left.rotation, right.rotation);
         EXPECT_EQ(left.curvature, -right.curvature);
       }
@@ -206,8 +210,8 @@ TEST(RoomValue, IsTheSameFromTheMirroredPose) {
   for (int i = 0; i < 200; ++i) {
     const glm::dvec2 place(uniform(rng, -2.7, 2.7), uniform(rng, -1.7, 1.7));
     const double heading = uniform(rng, -3, 3);
-    EXPECT_NEAR(value.at(place, heading), value.at({-place.x, place.y}, -heading), 0.02);
-    EXPECT_NEAR(value.at(place, heading), value.at(-place, heading + kPi), 0.02);
+    EXPECT_NEAR(value.at(place, heading), value.at({-place.x, place.y}, -heading), 0.06);
+    EXPECT_NEAR(value.at(place, heading), value.at(-place, heading + kPi), 0.06);
   }
 }
 
