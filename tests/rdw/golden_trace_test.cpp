@@ -32,11 +32,11 @@ std::uint64_t hashOfWalk(const char* controller) {
 }
 
 TEST(GoldenTrace, IsTheSameInEveryBuild) {
-  EXPECT_EQ(hashOfWalk("none"), 0ull);
-  EXPECT_EQ(hashOfWalk("s2c"), 0ull);
-  EXPECT_EQ(hashOfWalk("s2o"), 0ull);
-  EXPECT_EQ(hashOfWalk("s2c-predictive"), 0ull);
-  EXPECT_EQ(hashOfWalk("s2o-predictive"), 0ull);
+  EXPECT_EQ(hashOfWalk("none"), 11332546222905096536ull);
+  EXPECT_EQ(hashOfWalk("s2c"), 4289854014188514151ull);
+  EXPECT_EQ(hashOfWalk("s2o"), 14876362017180573074ull);
+  EXPECT_EQ(hashOfWalk("s2c-predictive"), 11744831629463117986ull);
+  EXPECT_EQ(hashOfWalk("s2o-predictive"), 5421514810529572988ull);
 }
 
 }  // namespace
