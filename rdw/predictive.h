@@ -32,7 +32,7 @@ struct PredictiveSettings {
                                   ///< way straight ahead is 1
   double straightOnLength = 1.0;  ///< how far that is thought of, metres
   double faith = 1.5;             ///< a way is left, for reasons unknown, every so many metres, > 0
-  double reach = 6.0;             ///< how far ways are walked in thought, virtual metres
+  double reach = 3.0;             ///< how far ways are walked in thought, virtual metres
   double replanEvery = 0.1;  ///< seconds between plans, half of that while turning on the spot; the
                              ///< chosen gains are kept meanwhile
   double rule = 0.1;         ///< weight of the target rule's bearing in a choice, resets
@@ -74,7 +74,7 @@ WaysAhead waysAhead(const prediction::PredictionGraph* graph, glm::dvec2 directi
                     glm::dvec2 facing, const PredictiveSettings& settings);
 
 /// A controller that has to be prepared for its room (Controller::prepare); until then it follows
-/// the target rule alone. A frame costs what waysAhead costs, and up to 40 us more when it plans.
+/// the target rule alone. A frame costs what waysAhead costs, and about 50 us more when it plans.
 std::unique_ptr<Controller> makePredictive(SteerRule rule, const PredictiveSettings& settings = {});
 
 }  // namespace forewalk::rdw

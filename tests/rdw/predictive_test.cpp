@@ -123,7 +123,7 @@ TEST(WaysAhead, KnowTheCornerOfACorridor) {
     const navmesh::NavGraph graph = corridor(side);
     prediction::Scratch scratch(graph);
     const prediction::PredictionGraph& ways =
-        prediction::predict(graph, inCorridor(6.0f), 9.0f, scratch);
+        prediction::predict(graph, inCorridor(8.0f), 9.0f, scratch);
     const WaysAhead there = waysAhead(&ways, {1, 0}, {1, 0}, {});
     EXPECT_GT(there.meanTurn * static_cast<double>(side), 0.5) << "round the corner";
     EXPECT_GT(glm::dot(there.meanDirection, glm::dvec2(1, 0)), 0.9);
