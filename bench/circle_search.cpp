@@ -66,7 +66,8 @@ const std::vector<CircleSearch::Visit>& CircleSearch::run(const navmesh::Locatio
     for (std::uint32_t portal = begin; portal < end; ++portal) {
       const std::uint32_t to = index(graph.portalTo[portal]);
       Reach& there = reach_[to];
-      if (there.closed || distanceSquared(start.plan, graph.portals[portal]) > radiusSquared) continue;
+      if (there.closed || distanceSquared(start.plan, graph.portals[portal]) > radiusSquared)
+        continue;
       if (there.seenThrough == 0xffffffffu) there.seenThrough = portal;
       float length;
       if (there.seenThrough == portal && lengths != nullptr) {

@@ -1,8 +1,8 @@
 // Detour's findPolysAroundCircle, rule for rule, on our navgraph: the same search on other data.
 //
-// Only for bench/prediction_peer, to say what the flat navgraph alone is worth. The rules are Detour
-// 1.5's: a portal is passed if it comes within `radius` of the start on the plan, nodes sit at the midpoint
-// of the portal they are first seen through and stay there, lengths count heights.
+// Only for bench/prediction_peer, to say what the flat navgraph alone is worth. The rules are
+// Detour 1.5's: a portal is passed if it comes within `radius` of the start on the plan, nodes sit
+// at the midpoint of the portal they are first seen through and stay there, lengths count heights.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +37,8 @@ class CircleSearch {
   };
 
   const navmesh::NavGraph* graph_;
-  std::vector<glm::vec3> midpoint_;      // per half-portal, plan and height
-  std::vector<float> successorLength_;   // as NavGraph's, with heights
+  std::vector<glm::vec3> midpoint_;     // per half-portal, plan and height
+  std::vector<float> successorLength_;  // as NavGraph's, with heights
   std::vector<Reach> reach_;
   navmesh::KeyQueue queue_;
   std::vector<Visit> visits_;

@@ -44,10 +44,12 @@ DetourPeer::DetourPeer(std::span<const navmesh::DetourTile> tiles) : mesh_(dtAll
   require(dtStatusSucceed(mesh_->init(&params)), "dtNavMesh::init");
   firstOfTile_.resize(tiles.size());
   for (const auto& tile : tiles) {
-    unsigned char* bytes = static_cast<unsigned char*>(dtAlloc(static_cast<int>(tile.size()), DT_ALLOC_PERM));
+    unsigned char* bytes =
+        static_cast<unsigned char*>(dtAlloc(static_cast<int>(tile.size()), DT_ALLOC_PERM));
     std::memcpy(bytes, tile.data(), tile.size());
     dtTileRef ref = 0;
-    require(dtStatusSucceed(mesh_->addTile(bytes, static_cast<int>(tile.size()), DT_TILE_FREE_DATA, 0, &ref)),
+    require(dtStatusSucceed(
+                mesh_->addTile(bytes, static_cast<int>(tile.size()), DT_TILE_FREE_DATA, 0, &ref)),
             "dtNavMesh::addTile");
     const dtMeshTile* added = mesh_->getTileByRef(ref);
     const dtPolyRef base = mesh_->getPolyRefBase(added);
@@ -87,7 +89,8 @@ int DetourPeer::circleOnly(const navmesh::Location& start, float radius) {
   return count;
 }
 
-std::span<const DetourPeer::Visit> DetourPeer::circle(const navmesh::Location& start, float radius) {
+std::span<const DetourPeer::Visit> DetourPeer::circle(const navmesh::Location& start,
+                                                      float radius) {
   const int count = circleOnly(start, radius);
   visits_.clear();
   for (int i = 0; i < count; ++i) {
@@ -114,8 +117,8 @@ int DetourPeer::ways(const navmesh::Location& start, float radius) {
     query_->getPathFromDijkstraSearch(result_[k], path_.data(), &steps, kMaxNodes);
     int corners = 0;
     query_->findStraightPath(&from.x, &centre_[std::size_t{3} * polygon], path_.data(), steps,
-                             straight_.data(), straightFlags_.data(), straightRefs_.data(), &corners,
-                             kMaxCorners);
+                             straight_.data(), straightFlags_.data(), straightRefs_.data(),
+                             &corners, kMaxCorners);
     for (int c = 1; c < corners; ++c) {
       metres_ += static_cast<double>(dtVdist(&straight_[static_cast<std::size_t>(3 * c - 3)],
                                              &straight_[static_cast<std::size_t>(3 * c)]));

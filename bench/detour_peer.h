@@ -19,7 +19,8 @@ namespace forewalk::bench {
 /// dtNavMesh over the tiles, and for each PolygonId its dtPolyRef (same order, see detour_tiles.h).
 class DetourPeer {
  public:
-  /// The polygon ids are those of polygonsFromTiles(tiles). Aborts with a message where Detour refuses.
+  /// The polygon ids are those of polygonsFromTiles(tiles). Aborts with a message where Detour
+  /// refuses.
   explicit DetourPeer(std::span<const navmesh::DetourTile> tiles);
 
   struct Visit {
@@ -35,25 +36,32 @@ class DetourPeer {
   int circleOnly(const navmesh::Location& start, float radius);
 
   /// The task: circle, then for each leaf of the part of its tree that costs at most `radius`,
-  /// getPathFromDijkstraSearch and findStraightPath to the leaf's centroid. Returns the number of leaves.
+  /// getPathFromDijkstraSearch and findStraightPath to the leaf's centroid. Returns the number of
+  /// leaves.
   int ways(const navmesh::Location& start, float radius);
 
-  double metresOfWays() const { return metres_; }  ///< of the last ways(), a proof that work was done
+  double metresOfWays() const {
+    return metres_;
+  }  ///< of the last ways(), a proof that work was done
 
  private:
-  struct FreeMesh { void operator()(dtNavMesh* mesh) const { dtFreeNavMesh(mesh); } };
-  struct FreeQuery { void operator()(dtNavMeshQuery* query) const { dtFreeNavMeshQuery(query); } };
+  struct FreeMesh {
+    void operator()(dtNavMesh* mesh) const { dtFreeNavMesh(mesh); }
+  };
+  struct FreeQuery {
+    void operator()(dtNavMeshQuery* query) const { dtFreeNavMeshQuery(query); }
+  };
 
   std::unique_ptr<dtNavMesh, FreeMesh> mesh_;
   std::unique_ptr<dtNavMeshQuery, FreeQuery> query_;
   dtQueryFilter filter_;
-  std::vector<dtPolyRef> refOf_;              // per PolygonId
-  std::vector<std::uint32_t> firstOfTile_;    // per Detour tile index: its first PolygonId
-  std::vector<float> centre_;                 // per PolygonId: x, y, z
+  std::vector<dtPolyRef> refOf_;            // per PolygonId
+  std::vector<std::uint32_t> firstOfTile_;  // per Detour tile index: its first PolygonId
+  std::vector<float> centre_;               // per PolygonId: x, y, z
   std::vector<dtPolyRef> result_, parents_, path_, straightRefs_;
   std::vector<float> cost_, straight_;
   std::vector<unsigned char> straightFlags_;
-  std::vector<unsigned char> hasChild_;       // per PolygonId, cleared after use
+  std::vector<unsigned char> hasChild_;  // per PolygonId, cleared after use
   std::vector<Visit> visits_;
   double metres_ = 0.0;
 

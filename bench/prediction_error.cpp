@@ -1,10 +1,11 @@
 // How far off is the search's notion of distance? Keys and taut paths against exact shortest paths.
 //
-// For every polygon within 20 m of random starts on the bundled single-storey scenes: the exact shortest
-// path on the walkable area (a visibility graph) to its centroid, against
-//   key      the length of the walk through portal midpoints that orders our search, plus the last step
-//   taut     the length we report: the taut path through the corridor that the search found
-// and both once more with centroid-to-centroid lengths in the search, the other reading of the paper.
+// For every polygon within 20 m of random starts on the bundled single-storey scenes: the exact
+// shortest path on the walkable area (a visibility graph) to its centroid, against
+//   key      the length of the walk through portal midpoints that orders our search, plus the last
+//   step taut     the length we report: the taut path through the corridor that the search found
+// and both once more with centroid-to-centroid lengths in the search, the other reading of the
+// paper.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -67,8 +68,8 @@ void measure(const World& world, int starts, float horizon, std::uint64_t seed) 
       }
     }
   }
-  fmt::print("\n{}: {} polygons, {} starts, {} paths of 0.5 to {:.0f} m; error in per cent\n", world.name,
-             graph.polygonCount(), starts, paths, horizon);
+  fmt::print("\n{}: {} polygons, {} starts, {} paths of 0.5 to {:.0f} m; error in per cent\n",
+             world.name, graph.polygonCount(), starts, paths, horizon);
   fmt::print("{:<26} {:>8} {:>8} {:>8} {:>8} {:>10}\n", "", "mean", "median", "99th", "worst",
              "exact, %");
   for (const Reading& reading : readings) {

@@ -1,4 +1,5 @@
-// Timing in turns on a shared, noisy machine: medians, and every contestant within the same minutes.
+// Timing in turns on a shared, noisy machine: medians, and every contestant within the same
+// minutes.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +21,8 @@ inline double medianOf(std::vector<double> values) {
 /// `q` in [0, 1].
 inline double quantileOf(std::vector<double> values, double q) {
   if (values.empty()) return 0.0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(
-                                       q * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() +
+                  static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -34,9 +35,10 @@ struct Contestant {
   double median() const { return medianOf(passMedians); }
 };
 
-/// Runs every contestant on every input, `passes` times. Contestants take turns in chunks of inputs, so
-/// that none finds its caches warmed by itself on the same input, and all share the machine's moods; the
-/// order turns with every chunk. `before` runs untimed before each timed call (cache flushing).
+/// Runs every contestant on every input, `passes` times. Contestants take turns in chunks of
+/// inputs, so that none finds its caches warmed by itself on the same input, and all share the
+/// machine's moods; the order turns with every chunk. `before` runs untimed before each timed call
+/// (cache flushing).
 inline void timeInTurns(std::vector<Contestant*> contestants, std::size_t inputs, int passes,
                         const std::function<void()>& before = {}) {
   constexpr std::size_t kChunk = 64;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "navmesh/build/detour_tiles.h"
 #include "navmesh/build/build.h"
+#include "navmesh/build/detour_tiles.h"
 #include "navmesh/locate.h"
 #include "navmesh/nav_graph.h"
 
@@ -18,16 +18,16 @@ struct World {
   navmesh::NavGraph graph;
 };
 
-/// The bundled scenes, solo and (the office) tiled, a campus of 40 offices, and nav_test where the shared data is found. Aborts
-/// with the message where one cannot be built.
+/// The bundled scenes, solo and (the office) tiled, a campus of 40 offices, and nav_test where the
+/// shared data is found. Aborts with the message where one cannot be built.
 std::vector<World> bundledWorlds();
 
 /// `columns * rows` copies of the scene side by side, a metre apart.
 World buildWorld(const std::string& name, const std::string& sceneFile,
                  const navmesh::BuildSettings& settings, int columns = 1, int rows = 1);
 
-/// `mesh` copied side by side, not joined: the same floor on `columns * rows` times the area. Copy 0 keeps
-/// its ids and its place.
+/// `mesh` copied side by side, not joined: the same floor on `columns * rows` times the area. Copy
+/// 0 keeps its ids and its place.
 World repeatedWorld(const World& world, int columns, int rows);
 
 }  // namespace forewalk::bench

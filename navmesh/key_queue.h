@@ -1,8 +1,8 @@
 // The priority queue of graph searches: smallest key first, ties by polygon.
 //
-// A binary heap of single 64-bit numbers, key bits above polygon, so that one integer comparison orders
-// both. Popping works bottom-up (the hole sinks to a leaf without a branch to mispredict, then the last
-// entry rises): random starts make branch mispredictions the limit of such searches.
+// A binary heap of single 64-bit numbers, key bits above polygon, so that one integer comparison
+// orders both. Popping works bottom-up (the hole sinks to a leaf without a branch to mispredict,
+// then the last entry rises): random starts make branch mispredictions the limit of such searches.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@
 
 namespace forewalk::navmesh {
 
-/// Keys are finite and >= 0. Improved keys are pushed again; the caller skips entries that are stale.
+/// Keys are finite and >= 0. Improved keys are pushed again; the caller skips entries that are
+/// stale.
 class KeyQueue {
  public:
   /// A key and its polygon in one comparable number.
@@ -54,7 +55,8 @@ class KeyQueue {
     if (size_ > 0) rise(sink(), last);
   }
 
-  /// The same as pop() and push(entry), for the price of one: the hole is filled with what comes in.
+  /// The same as pop() and push(entry), for the price of one: the hole is filled with what comes
+  /// in.
   void replaceTop(Entry entry) { rise(sink(), entry); }
 
  private:

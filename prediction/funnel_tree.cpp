@@ -68,8 +68,9 @@ FunnelTree::Funnel FunnelTree::narrowed(Funnel funnel, std::uint32_t depth) {
     const glm::vec2 toNewLeft = points_[2 * node] - apex;
     const glm::vec2 toNewRight = points_[2 * node + 1] - apex;
 
-    // All of the portal at or beyond one side, perhaps touching its end: the path bends around that end. No
-    // angle here exceeds half a turn: whatever lies beyond a portal lies on the far side of its line.
+    // All of the portal at or beyond one side, perhaps touching its end: the path bends around that
+    // end. No angle here exceeds half a turn: whatever lies beyond a portal lies on the far side of
+    // its line.
     const bool beyondLeft = navmesh::cross(toLeft, toNewRight) > 0.0f;
     const bool beyondRight = navmesh::cross(toRight, toNewLeft) < 0.0f;
     if (beyondLeft || beyondRight) {

@@ -1,10 +1,11 @@
-// Exact taut paths from the source to every polygon of a search tree, sharing what they have in common.
+// Exact taut paths from the source to every polygon of a search tree, sharing what they have in
+// common.
 //
-// The funnel algorithm of Lee and Preparata (Networks 14, 1984) on a tree instead of a corridor: a node's
-// funnel is its parent's, narrowed by one more portal. Most portals do not bend the path, so narrowing is
-// done without branches and only a bend is a test that fails now and then. A bend makes a corner, and the
-// funnel is opened again from there, rescanning the portals since (they are few: a bend is found soon after
-// it is passed).
+// The funnel algorithm of Lee and Preparata (Networks 14, 1984) on a tree instead of a corridor: a
+// node's funnel is its parent's, narrowed by one more portal. Most portals do not bend the path, so
+// narrowing is done without branches and only a bend is a test that fails now and then. A bend
+// makes a corner, and the funnel is opened again from there, rescanning the portals since (they are
+// few: a bend is found soon after it is passed).
 #pragma once
 
 #include <cstdint>
@@ -25,8 +26,9 @@ struct TreeLink {
   std::uint32_t portal;  ///< half-portal of the parent's polygon it was entered by; source: kNone
 };
 
-/// Funnels of the nodes of one search tree, found when they are asked for. Allocates nothing as long as the
-/// tree has no more nodes than reserved and `corners` is reserved for cornerCapacity() of them.
+/// Funnels of the nodes of one search tree, found when they are asked for. Allocates nothing as
+/// long as the tree has no more nodes than reserved and `corners` is reserved for cornerCapacity()
+/// of them.
 class FunnelTree {
  public:
   void reserve(std::size_t nodes);
@@ -45,28 +47,29 @@ class FunnelTree {
     apex_[count_++] = kNone;
   }
 
-  /// The last corner before `end`, a point in the polygon of `node`, on the taut path to it. Stops early,
-  /// at a corner of that path, where that is `enough` metres or more from the source. Amortised O(portals
-  /// since the last bend).
+  /// The last corner before `end`, a point in the polygon of `node`, on the taut path to it. Stops
+  /// early, at a corner of that path, where that is `enough` metres or more from the source.
+  /// Amortised O(portals since the last bend).
   std::uint32_t cornerBefore(std::uint32_t node, glm::vec2 end, float enough);
 
-  /// The last corner that all taut paths through `node` have in common: they are at least as long as the way
-  /// by it. Cheaper than cornerBefore.
+  /// The last corner that all taut paths through `node` have in common: they are at least as long
+  /// as the way by it. Cheaper than cornerBefore.
   std::uint32_t cornerShared(std::uint32_t node) {
     find(node);
     return cornerOf_[apex_[node]];
   }
 
  private:
-  /// What can be seen from the apex, the last bend, through all portals since: three points. A side whose
-  /// point is the apex bounds nothing.
+  /// What can be seen from the apex, the last bend, through all portals since: three points. A side
+  /// whose point is the apex bounds nothing.
   struct Funnel {
     std::uint32_t apex;
     std::uint32_t left;
     std::uint32_t right;
   };
 
-  // Points are numbered by the tree: the left end of the entry portal of node n is 2n, the right 2n + 1.
+  // Points are numbered by the tree: the left end of the entry portal of node n is 2n, the right 2n
+  // + 1.
   static std::uint32_t nodeOf(std::uint32_t point) { return point / 2; }
 
   void find(std::uint32_t node);
@@ -78,8 +81,8 @@ class FunnelTree {
   const navmesh::NavGraph* graph_ = nullptr;
   std::vector<Corner>* corners_ = nullptr;
 
-  // Per tree node, the first count_ in use. Funnels lie in three arrays, so that what is written as numbers
-  // is read as numbers: copied as one piece too soon, it would wait for the store buffer.
+  // Per tree node, the first count_ in use. Funnels lie in three arrays, so that what is written as
+  // numbers is read as numbers: copied as one piece too soon, it would wait for the store buffer.
   std::vector<TreeLink> links_;
   std::vector<std::uint32_t> apex_;  // kNone until asked for
   std::vector<std::uint32_t> left_;

@@ -11,12 +11,12 @@ using navmesh::NavGraph;
 HorizonSearch::HorizonSearch(const NavGraph& graph, std::uint32_t polygonLimit)
     : graph_(&graph), limit_(std::max(1u, std::min(polygonLimit, graph.polygonCount()))) {
   for (std::uint32_t polygon = 0; polygon < graph.polygonCount(); ++polygon) {
-    mostNeighbours_ = std::max(mostNeighbours_,
-                               graph.portalStart[polygon + 1] - graph.portalStart[polygon]);
+    mostNeighbours_ =
+        std::max(mostNeighbours_, graph.portalStart[polygon + 1] - graph.portalStart[polygon]);
   }
   reach_.resize(graph.polygonCount());
-  // Each half-portal of a settled polygon is pushed at most once. That many for the whole limit would be
-  // wasteful in large graphs; a queue that fills up is reported like a tree that does.
+  // Each half-portal of a settled polygon is pushed at most once. That many for the whole limit
+  // would be wasteful in large graphs; a queue that fills up is reported like a tree that does.
   queue_.reserve(std::min<std::size_t>(graph.portalCount(), std::size_t{8} * limit_) +
                  mostNeighbours_ + 1);
   tree_.resize(limit_);
@@ -78,8 +78,9 @@ void HorizonSearch::relax(std::uint32_t node) {
   const PolygonId* to = graph_->portalTo.data();
   relaxed_ += end - begin;
 
-  // Which neighbours improve is as good as random to the branch predictor, so they are listed without a
-  // branch first. A settled polygon's key is not larger than any that comes later: no test of its own.
+  // Which neighbours improve is as good as random to the branch predictor, so they are listed
+  // without a branch first. A settled polygon's key is not larger than any that comes later: no
+  // test of its own.
   std::uint32_t improvedCount = 0;
   for (std::uint32_t portal = begin; portal < end; ++portal) {
     improved_[improvedCount] = portal;
@@ -112,7 +113,8 @@ bool HorizonSearch::isWithin(std::uint32_t node, glm::vec2 source, float horizon
   if (limit == Limit::kKey) return false;
   const glm::vec2 centroid = graph_->centroid[index(at.polygon)];
   if (glm::distance(source, centroid) > horizon) return false;
-  // The way by the last bend that all paths through the parent share is no longer than the taut path.
+  // The way by the last bend that all paths through the parent share is no longer than the taut
+  // path.
   const Corner& shared = corners[funnels_.cornerShared(at.parent)];
   if (shared.distance + glm::distance(shared.plan, centroid) > horizon) return false;
   at.corner = cornerBefore(node, centroid, horizon);

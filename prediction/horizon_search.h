@@ -1,14 +1,16 @@
-// Depth-limited Dijkstra from the user over the navgraph, with the exact taut length to every polygon.
+// Depth-limited Dijkstra from the user over the navgraph, with the exact taut length to every
+// polygon.
 //
-// DESIGN.md section 3, step 2. Two numbers belong to a polygon. Its key orders the search: the length
-// of the walk from the user through portal midpoints, up to the midpoint of the portal it is entered
-// by. Its taut length decides whether it lies within the horizon: the shortest path from the user to
-// its centroid through the corridor that the search found.
+// DESIGN.md section 3, step 2. Two numbers belong to a polygon. Its key orders the search: the
+// length of the walk from the user through portal midpoints, up to the midpoint of the portal it is
+// entered by. Its taut length decides whether it lies within the horizon: the shortest path from
+// the user to its centroid through the corridor that the search found.
 //
 // Taut lengths come from a funnel tree (funnel_tree.h).
 //
-// The taut length lies between the way by the last bend that is known and the key plus the last step to
-// the centroid, so it is computed only where those two lie on different sides of the horizon.
+// The taut length lies between the way by the last bend that is known and the key plus the last
+// step to the centroid, so it is computed only where those two lie on different sides of the
+// horizon.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +31,8 @@ struct SearchNode {
   std::uint32_t parent;  ///< index in the tree; of the source: 0
   std::uint32_t portal;  ///< half-portal of the parent's polygon it was entered by; source: kNone
   float key;             ///< metres, see above; source: 0
-  std::uint32_t corner;  ///< before its centroid on the taut path (FunnelTree::cornerBefore with the
-                         ///< horizon as enough), where the search needed it; else kNone
+  std::uint32_t corner;  ///< before its centroid on the taut path (FunnelTree::cornerBefore with
+                         ///< the horizon as enough), where the search needed it; else kNone
   std::uint32_t prevPG;  ///< index in the tree: the branch node or source before it; source: 0
   bool within;           ///< taut length <= horizon: it was expanded
   bool branch;           ///< within, and more than two neighbours
@@ -45,15 +47,16 @@ class HorizonSearch {
   /// What decides whether a polygon is within the horizon.
   enum class Limit {
     kTaut,  ///< its taut path, as DESIGN.md has it
-    kKey,   ///< its key and the step to its centroid: a plain depth-limited Dijkstra, to compare with
+    kKey,   ///< its key and the step to its centroid: a plain depth-limited Dijkstra, to compare
+            ///< with
   };
 
   /// Sizes every buffer for at most `polygonLimit` settled polygons. The graph must outlive this.
   HorizonSearch(const navmesh::NavGraph& graph, std::uint32_t polygonLimit);
 
   /// Searches from `source` (a valid polygon, `source.plan` in it) out to `horizon` metres (>= 0).
-  /// Corners go into `corners`, which is cleared; reserve cornerCapacity(). O(n log n) in the polygons
-  /// within the horizon, whatever the size of the graph.
+  /// Corners go into `corners`, which is cleared; reserve cornerCapacity(). O(n log n) in the
+  /// polygons within the horizon, whatever the size of the graph.
   void run(const navmesh::Location& source, float horizon, std::vector<Corner>& corners,
            Limit limit = Limit::kTaut);
 
@@ -66,9 +69,9 @@ class HorizonSearch {
   /// The tree index of a polygon settled by the last run, or kNone.
   std::uint32_t treeIndexOf(PolygonId polygon) const { return reach_[index(polygon)].treeIndex; }
 
-  /// The last corner before `end`, a point in the polygon of tree node `node`, on the taut path from the
-  /// source to it, or one of its corners that is `enough` metres or more away. May add corners to those
-  /// of the last run.
+  /// The last corner before `end`, a point in the polygon of tree node `node`, on the taut path
+  /// from the source to it, or one of its corners that is `enough` metres or more away. May add
+  /// corners to those of the last run.
   std::uint32_t cornerBefore(std::uint32_t node, glm::vec2 end,
                              float enough = std::numeric_limits<float>::infinity()) {
     return funnels_.cornerBefore(node, end, enough);
@@ -88,15 +91,15 @@ class HorizonSearch {
   void relaxFromSource(const navmesh::Location& source);
   void relax(std::uint32_t node);
   void dropQueue();
-  bool isWithin(std::uint32_t node, glm::vec2 source, float horizon, const std::vector<Corner>& corners,
-                Limit limit);
+  bool isWithin(std::uint32_t node, glm::vec2 source, float horizon,
+                const std::vector<Corner>& corners, Limit limit);
 
   const navmesh::NavGraph* graph_;
   std::uint32_t limit_;
-  std::uint32_t mostNeighbours_ = 0;   // half-portals of one polygon
-  std::vector<Reach> reach_;           // per polygon
+  std::uint32_t mostNeighbours_ = 0;  // half-portals of one polygon
+  std::vector<Reach> reach_;          // per polygon
   navmesh::KeyQueue queue_;
-  std::vector<SearchNode> tree_;         // the first count_ are in use
+  std::vector<SearchNode> tree_;  // the first count_ are in use
   std::uint32_t count_ = 0;
   FunnelTree funnels_;
   std::vector<std::uint32_t> improved_;  // half-portals of the node being relaxed

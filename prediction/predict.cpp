@@ -19,8 +19,9 @@ double exactTurn(glm::vec2 a, glm::vec2 b, glm::vec2 c) {
   return ab.x * ac.y - ab.y * ac.x;
 }
 
-/// Builds one graph. Lives for one predict() call; every buffer is the scratch's. Nodes and edges are filled
-/// field by field in their places: built aside and copied, they would wait for the store buffer.
+/// Builds one graph. Lives for one predict() call; every buffer is the scratch's. Nodes and edges
+/// are filled field by field in their places: built aside and copied, they would wait for the store
+/// buffer.
 class Assembly {
  public:
   Assembly(const NavGraph& navGraph, HorizonSearch& search, PredictionGraph& out,
@@ -107,7 +108,8 @@ class Assembly {
     const std::uint32_t corner = cornerBeforeCentroid(at);
     const Corner& before = out_.corners[corner];
     // A taut length that rounding puts a hair beyond the horizon was within it as a bound.
-    const float distance = std::min(out_.horizon, before.distance + glm::distance(before.plan, plan));
+    const float distance =
+        std::min(out_.horizon, before.distance + glm::distance(before.plan, plan));
     nodeOf_[at] = static_cast<std::uint32_t>(out_.nodes.size());
     Node& node =
         addNode(at, NodeKind::kBranch, plan, navGraph_.centroidHeight[polygon], distance, corner);
@@ -148,8 +150,8 @@ class Assembly {
     joinTree(plan, node.prev, holder, tree_[at].prevPG);
   }
 
-  /// The tree node whose polygon holds a point of the path's last straight leg, which ends in `at`: the leg
-  /// crosses each portal's line once, so the point is past the portals that it lies beyond.
+  /// The tree node whose polygon holds a point of the path's last straight leg, which ends in `at`:
+  /// the leg crosses each portal's line once, so the point is past the portals that it lies beyond.
   std::uint32_t holderOnLastLeg(std::uint32_t at, glm::vec2 point) const {
     while (at != 0) {
       const Portal& portal = navGraph_.portals[tree_[at].portal];
@@ -159,7 +161,8 @@ class Assembly {
     return at;
   }
 
-  /// The same for a point anywhere on the path to `at`. Where polygons touch the one farther along wins.
+  /// The same for a point anywhere on the path to `at`. Where polygons touch the one farther along
+  /// wins.
   std::uint32_t holderAmongAll(std::uint32_t at, glm::vec2 point) const {
     constexpr float kOnBorder = 1e-3f;
     while (at != 0 && !navmesh::contains(navGraph_, tree_[at].polygon, point, kOnBorder)) {
@@ -170,8 +173,8 @@ class Assembly {
 
   /// Tree edge of the latest node, which lies at `plan` in the polygon of tree node `holder`.
   void joinTree(glm::vec2 plan, NodeId prev, std::uint32_t holder, std::uint32_t prevTree) {
-    // A cut can lie before the polygon of its prevPG, where that is wide and the way leaves it far from
-    // its centroid: then the corridor runs the other way.
+    // A cut can lie before the polygon of its prevPG, where that is wide and the way leaves it far
+    // from its centroid: then the corridor runs the other way.
     const bool back = holder < prevTree;
     const std::uint32_t deep = back ? prevTree : holder;
     const std::uint32_t shallow = back ? holder : prevTree;
@@ -208,8 +211,8 @@ class Assembly {
       out_.corridorPolygons.push_back(neighbour);
       corridor_.clear();
       corridor_.push_back(navGraph_.portals[portal]);
-      addEdge(NodeId{from}, out_.nodes[from].plan, NodeId{to}, out_.nodes[to].plan,
-              EdgeKind::kLoop, polygonStart);
+      addEdge(NodeId{from}, out_.nodes[from].plan, NodeId{to}, out_.nodes[to].plan, EdgeKind::kLoop,
+              polygonStart);
     }
   }
 
@@ -280,10 +283,17 @@ void sourceAlone(PredictionGraph& graph) {
   graph.flags = kSourceOffMesh;
   graph.completeTo = 0.0f;
   graph.corners.push_back({graph.source.plan, graph.source.height, 0.0f, 0});
-  graph.nodes.push_back({.kind = NodeKind::kSource, .reason = TerminalReason::kNone, .branch = false,
-                         .polygon = navmesh::kNoPolygon, .plan = graph.source.plan,
-                         .height = graph.source.height, .distance = 0.0f, .prev = kNoNode,
-                         .corner = 0, .firstChild = 0, .childCount = 0});
+  graph.nodes.push_back({.kind = NodeKind::kSource,
+                         .reason = TerminalReason::kNone,
+                         .branch = false,
+                         .polygon = navmesh::kNoPolygon,
+                         .plan = graph.source.plan,
+                         .height = graph.source.height,
+                         .distance = 0.0f,
+                         .prev = kNoNode,
+                         .corner = 0,
+                         .firstChild = 0,
+                         .childCount = 0});
 }
 
 }  // namespace

@@ -1,18 +1,19 @@
 // Predicts, every frame, where the user may go within a horizon.
 //
 // Azmandian, Grechkin, Bolas and Suma (3DUI 2016), as mended in DESIGN.md section 3: depth-limited
-// Dijkstra over the navgraph from the user's polygon (horizon_search.h), branch and terminal nodes with
-// prevPG links, taut paths along the links.
+// Dijkstra over the navgraph from the user's polygon (horizon_search.h), branch and terminal nodes
+// with prevPG links, taut paths along the links.
 //
 // Which polygon-to-polygon distance: from the midpoint of the portal a polygon is entered by to the
-// midpoint of the one it is left by. It is closer to the walk than centroid to centroid, which swings
-// through every polygon's middle, and it is known at load. bench/prediction_error prints both against
-// exact shortest paths. The distance only orders the search; whether a polygon is within the horizon
-// is decided by its taut path.
+// midpoint of the one it is left by. It is closer to the walk than centroid to centroid, which
+// swings through every polygon's middle, and it is known at load. bench/prediction_error prints
+// both against exact shortest paths. The distance only orders the search; whether a polygon is
+// within the horizon is decided by its taut path.
 //
-// The ways: a way that is cut ends in a terminal at exactly the horizon, placed on the taut path toward
-// the first polygon beyond; the polygon before it is then no terminal of its own. A way that ends
-// because every neighbour is on a way already ends at the last polygon's centroid, as a dead end.
+// The ways: a way that is cut ends in a terminal at exactly the horizon, placed on the taut path
+// toward the first polygon beyond; the polygon before it is then no terminal of its own. A way that
+// ends because every neighbour is on a way already ends at the last polygon's centroid, as a dead
+// end.
 #pragma once
 
 #include "prediction/horizon_search.h"
@@ -25,8 +26,8 @@ struct PredictionLimits {
   std::uint32_t polygons = 16384;  ///< settled in one graph, >= 1; about 150 bytes each
 };
 
-/// What predictions need from frame to frame: buffers and the latest graph. One per user; not shared
-/// between threads. Tied to the graph it was made for, which must outlive it.
+/// What predictions need from frame to frame: buffers and the latest graph. One per user; not
+/// shared between threads. Tied to the graph it was made for, which must outlive it.
 class Scratch {
  public:
   explicit Scratch(const navmesh::NavGraph& graph, const PredictionLimits& limits = {});
@@ -36,17 +37,18 @@ class Scratch {
                                         Scratch&);
   HorizonSearch search_;
   PredictionGraph graph_;
-  std::vector<std::uint32_t> nodeOf_;         // per tree index: its node, or kNone
-  std::vector<std::uint32_t> treeOf_;         // per node: its tree index
-  std::vector<navmesh::Portal> corridor_;     // of the edge at hand
-  std::vector<glm::vec2> path_;               // of the edge at hand
+  std::vector<std::uint32_t> nodeOf_;      // per tree index: its node, or kNone
+  std::vector<std::uint32_t> treeOf_;      // per node: its tree index
+  std::vector<navmesh::Portal> corridor_;  // of the edge at hand
+  std::vector<glm::vec2> path_;            // of the edge at hand
 };
 
-/// The prediction graph around `source` (from navmesh::locate) out to `horizon` metres (>= 0, finite).
+/// The prediction graph around `source` (from navmesh::locate) out to `horizon` metres (>= 0,
+/// finite).
 ///
-/// Never fails: an invalid source polygon gives a graph of the source alone with kSourceOffMesh, and a
-/// graph that reaches the polygon limit says so (kPolygonLimit), its dropped ways ending as horizon
-/// terminals short of the horizon.
+/// Never fails: an invalid source polygon gives a graph of the source alone with kSourceOffMesh,
+/// and a graph that reaches the polygon limit says so (kPolygonLimit), its dropped ways ending as
+/// horizon terminals short of the horizon.
 ///
 /// The result belongs to `scratch` and lives until its next prediction. Costs O(n log n) in the
 /// polygons within the horizon, whatever the size of the world; allocates nothing once the buffers

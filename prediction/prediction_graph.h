@@ -1,11 +1,11 @@
 // The prediction graph: the ways a user may take from where they are, out to the horizon.
 //
 // Azmandian, Grechkin, Bolas and Suma, "Automated Path Prediction for Redirected Walking Using
-// Navigation Meshes", 3DUI 2016. Nodes are the source (the user), branch nodes (polygons with more than
-// two neighbours) and terminal nodes (where prediction stops). `prev` is the paper's prevPG.
+// Navigation Meshes", 3DUI 2016. Nodes are the source (the user), branch nodes (polygons with more
+// than two neighbours) and terminal nodes (where prediction stops). `prev` is the paper's prevPG.
 //
-// Flat arrays, parents before children, in the order the search settled them. Lengths are horizontal
-// metres (see navmesh/nav_graph.h); points are plan points with heights beside them.
+// Flat arrays, parents before children, in the order the search settled them. Lengths are
+// horizontal metres (see navmesh/nav_graph.h); points are plan points with heights beside them.
 #pragma once
 
 #include <cstdint>
@@ -30,28 +30,28 @@ enum class NodeKind : std::uint8_t { kSource, kBranch, kTerminal };
 enum class TerminalReason : std::uint8_t {
   kNone,     ///< not a terminal
   kHorizon,  ///< the way goes on, but is cut here at exactly the horizon
-  kDeadEnd,  ///< nowhere left to go: every neighbour is on this way already or on another (a loop edge
-             ///< then shows where the two meet)
+  kDeadEnd,  ///< nowhere left to go: every neighbour is on this way already or on another (a loop
+             ///< edge then shows where the two meet)
 };
 
 /// A corner of a taut path from the source; the corners of all paths form a tree by `previous`.
 struct Corner {
   glm::vec2 plan;
-  float height;             ///< world y, metres
-  float distance;           ///< length of the taut path from the source to here, metres
-  std::uint32_t previous;   ///< the corner before this one; of the source itself: its own index, 0
+  float height;            ///< world y, metres
+  float distance;          ///< length of the taut path from the source to here, metres
+  std::uint32_t previous;  ///< the corner before this one; of the source itself: its own index, 0
 };
 
 struct Node {
   NodeKind kind;
   TerminalReason reason;
-  bool branch;            ///< a branch node (a terminal can be one too)
+  bool branch;  ///< a branch node (a terminal can be one too)
   PolygonId polygon;
-  glm::vec2 plan;         ///< source: the user; cut terminal: the cut; others: the polygon's centroid
-  float height;           ///< of the surface there, world y, metres
-  float distance;         ///< length of the taut path from the source, <= horizon, metres
-  NodeId prev;            ///< prevPG: the branch node or source before it; of the source: kNoNode
-  std::uint32_t corner;   ///< last corner of the taut path from the source before this node
+  glm::vec2 plan;  ///< source: the user; cut terminal: the cut; others: the polygon's centroid
+  float height;    ///< of the surface there, world y, metres
+  float distance;  ///< length of the taut path from the source, <= horizon, metres
+  NodeId prev;     ///< prevPG: the branch node or source before it; of the source: kNoNode
+  std::uint32_t corner;  ///< last corner of the taut path from the source before this node
   std::uint32_t firstChild, childCount;  ///< range in PredictionGraph::children
 
   glm::vec3 position() const { return {plan.x, height, -plan.y}; }
@@ -66,16 +66,16 @@ struct Edge {
   NodeId from;
   NodeId to;
   EdgeKind kind;
-  float length;                               ///< metres
-  std::uint32_t polygonStart, polygonCount;   ///< range in `corridorPolygons`, from `from` to `to`
-  std::uint32_t pathStart, pathCount;         ///< range in `pathPoints`, from `from` to `to`
+  float length;                              ///< metres
+  std::uint32_t polygonStart, polygonCount;  ///< range in `corridorPolygons`, from `from` to `to`
+  std::uint32_t pathStart, pathCount;        ///< range in `pathPoints`, from `from` to `to`
 };
 
 /// Flags of a graph; each names the limit to raise (PredictionLimits).
 enum GraphFlags : std::uint32_t {
   kGraphComplete = 0,
-  kPolygonLimit = 1u << 0,  ///< `limits.polygons` reached: ways beyond `completeTo` were dropped
-  kSourceOffMesh = 1u << 1, ///< no valid source polygon was given: the graph is only the source
+  kPolygonLimit = 1u << 0,   ///< `limits.polygons` reached: ways beyond `completeTo` were dropped
+  kSourceOffMesh = 1u << 1,  ///< no valid source polygon was given: the graph is only the source
 };
 
 /// What the search did, for benchmarks and dumps.
@@ -86,17 +86,17 @@ struct GraphStats {
 };
 
 struct PredictionGraph {
-  float horizon = 0.0f;         ///< metres
-  float completeTo = 0.0f;      ///< all ways are known out to here; == horizon unless a limit was hit
+  float horizon = 0.0f;     ///< metres
+  float completeTo = 0.0f;  ///< all ways are known out to here; == horizon unless a limit was hit
   std::uint32_t flags = kGraphComplete;
   navmesh::Location source;
   std::vector<Node> nodes;
-  std::vector<NodeId> children;              ///< node after node, ascending
+  std::vector<NodeId> children;  ///< node after node, ascending
   std::vector<Edge> edges;
   std::vector<Corner> corners;
   std::vector<PolygonId> corridorPolygons;
-  std::vector<glm::vec2> pathPoints;         ///< plan
-  std::vector<NodeId> terminals;             ///< ascending
+  std::vector<glm::vec2> pathPoints;  ///< plan
+  std::vector<NodeId> terminals;      ///< ascending
   GraphStats stats;
 
   const Node& node(NodeId id) const { return nodes[index(id)]; }
@@ -119,8 +119,8 @@ struct WayPoint {
   glm::vec2 direction;
 };
 
-/// The point at arc length `s` metres from the source along the taut path to `node`; `s` is clamped to
-/// [0, distance]. O(corners of that path), no allocation.
+/// The point at arc length `s` metres from the source along the taut path to `node`; `s` is clamped
+/// to [0, distance]. O(corners of that path), no allocation.
 WayPoint pointAlong(const PredictionGraph& graph, NodeId node, float s);
 
 /// A corner ahead on a way: where it bends, how far off that is, and by how much.
@@ -130,20 +130,21 @@ struct Bend {
   glm::vec2 plan;
 };
 
-/// The first bend of at least `minAngle` radians on the way to `node` at arc length > `after` metres.
-/// False where the way is straight from there on. O(corners of that path), no allocation.
+/// The first bend of at least `minAngle` radians on the way to `node` at arc length > `after`
+/// metres. False where the way is straight from there on. O(corners of that path), no allocation.
 bool nextBend(const PredictionGraph& graph, NodeId node, float after, float minAngle, Bend& bend);
 
-/// The branch node ahead: the first one on the ways out, where every way has already passed or ends at
-/// it. kNoNode where the ways part at the source already, or there is no branch.
+/// The branch node ahead: the first one on the ways out, where every way has already passed or ends
+/// at it. kNoNode where the ways part at the source already, or there is no branch.
 NodeId branchAhead(const PredictionGraph& graph);
 
-/// Replaces `way` with the taut path from the source to `node`, the source first; world space, metres,
-/// heights at corners. Its plan length is node.distance. Every way out: call it for each of
+/// Replaces `way` with the taut path from the source to `node`, the source first; world space,
+/// metres, heights at corners. Its plan length is node.distance. Every way out: call it for each of
 /// graph.terminals.
 void wayTo(const PredictionGraph& graph, NodeId node, std::vector<glm::vec3>& way);
 
-/// A hash of all that a consumer can see (not stats or timing); equal graphs, equal hash on one build.
+/// A hash of all that a consumer can see (not stats or timing); equal graphs, equal hash on one
+/// build.
 std::uint64_t hashOf(const PredictionGraph& graph);
 
 }  // namespace forewalk::prediction

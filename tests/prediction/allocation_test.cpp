@@ -15,7 +15,8 @@ TEST(Predict, AllocatesNothingFromTheFirstFrameOn) {
   testing::allocationsSince();
   std::size_t nodes = 0;
   for (const float horizon : {1.0f, 5.0f, 20.0f, 200.0f}) {
-    for (const navmesh::Location& start : starts) nodes += predict(graph, start, horizon, scratch).nodes.size();
+    for (const navmesh::Location& start : starts)
+      nodes += predict(graph, start, horizon, scratch).nodes.size();
   }
   EXPECT_EQ(testing::allocationsSince(), 0u);
   EXPECT_GT(nodes, 10000u);

@@ -102,7 +102,8 @@ TEST(Predict, MeasuresEveryDistanceAlongTheTautPathThroughTheCorridor) {
       }
       std::vector<glm::vec2> taut;
       navmesh::pullString(start.plan, goal, corridor, taut);
-      EXPECT_NEAR(before.distance + glm::distance(before.plan, goal), navmesh::lengthOf(taut), 1e-4f);
+      EXPECT_NEAR(before.distance + glm::distance(before.plan, goal), navmesh::lengthOf(taut),
+                  1e-4f);
     }
   });
 }
@@ -125,36 +126,39 @@ TEST(Predict, CutsEveryWayAtExactlyTheHorizonOrEndsItWhereNobodyCanGoOn) {
 }
 
 TEST(Predict, DrawsEveryWayInsideTheWalkableAreaAndNoLongerThanItsDistance) {
-  onRandomMeshes([](const NavGraph& graph, const Location& start, float horizon) {
-    Scratch scratch(graph);
-    const navmesh::LocationIndex places = navmesh::makeLocationIndex(graph);
-    const PredictionGraph& found = predict(graph, start, horizon, scratch);
-    std::vector<glm::vec3> way;
-    for (std::uint32_t id = 0; id < found.nodes.size(); ++id) {
-      wayTo(found, NodeId{id}, way);
-      float length = 0.0f;
-      for (std::size_t i = 1; i < way.size(); ++i) {
-        const glm::vec2 from = navmesh::toPlan(way[i - 1]);
-        const glm::vec2 to = navmesh::toPlan(way[i]);
-        length += glm::distance(from, to);
-        for (const float share : {0.1f, 0.37f, 0.5f, 0.81f}) {
-          const glm::vec3 between = way[i - 1] + share * (way[i] - way[i - 1]);
-          EXPECT_TRUE(navmesh::locate(graph, places, between, {2e-3f, 5.0f, 5.0f}))
-              << "(" << between.x << ", " << between.z << ")";
+  onRandomMeshes(
+      [](const NavGraph& graph, const Location& start, float horizon) {
+        Scratch scratch(graph);
+        const navmesh::LocationIndex places = navmesh::makeLocationIndex(graph);
+        const PredictionGraph& found = predict(graph, start, horizon, scratch);
+        std::vector<glm::vec3> way;
+        for (std::uint32_t id = 0; id < found.nodes.size(); ++id) {
+          wayTo(found, NodeId{id}, way);
+          float length = 0.0f;
+          for (std::size_t i = 1; i < way.size(); ++i) {
+            const glm::vec2 from = navmesh::toPlan(way[i - 1]);
+            const glm::vec2 to = navmesh::toPlan(way[i]);
+            length += glm::distance(from, to);
+            for (const float share : {0.1f, 0.37f, 0.5f, 0.81f}) {
+              const glm::vec3 between = way[i - 1] + share * (way[i] - way[i - 1]);
+              EXPECT_TRUE(navmesh::locate(graph, places, between, {2e-3f, 5.0f, 5.0f}))
+                  << "(" << between.x << ", " << between.z << ")";
+            }
+          }
+          EXPECT_NEAR(length, found.nodes[id].distance, 1e-3f);
+          EXPECT_LE(found.nodes[id].distance, horizon);
         }
-      }
-      EXPECT_NEAR(length, found.nodes[id].distance, 1e-3f);
-      EXPECT_LE(found.nodes[id].distance, horizon);
-    }
-    for (const Edge& edge : found.edges) {
-      EXPECT_NEAR(edge.length, navmesh::lengthOf(found.pathOf(edge)), 1e-4f);
-      EXPECT_EQ(found.pathOf(edge).front(), found.node(edge.from).plan);
-      EXPECT_EQ(found.pathOf(edge).back(), found.node(edge.to).plan);
-      for (const glm::vec2 point : found.pathOf(edge)) {
-        EXPECT_TRUE(navmesh::locate(graph, places, navmesh::toSpace(point, 0.0f), {2e-3f, 5.0f, 5.0f}));
-      }
-    }
-  }, 8, 3);
+        for (const Edge& edge : found.edges) {
+          EXPECT_NEAR(edge.length, navmesh::lengthOf(found.pathOf(edge)), 1e-4f);
+          EXPECT_EQ(found.pathOf(edge).front(), found.node(edge.from).plan);
+          EXPECT_EQ(found.pathOf(edge).back(), found.node(edge.to).plan);
+          for (const glm::vec2 point : found.pathOf(edge)) {
+            EXPECT_TRUE(
+                navmesh::locate(graph, places, navmesh::toSpace(point, 0.0f), {2e-3f, 5.0f, 5.0f}));
+          }
+        }
+      },
+      8, 3);
 }
 
 TEST(Predict, GivesEachNodeAnEdgeToItsPrevAndListsItAmongItsChildren) {
@@ -191,7 +195,8 @@ TEST(Predict, JoinsNeighboursInTheGraphThatTheTreeLeavesApart) {
     std::vector<std::uint32_t> nodeOf(graph.polygonCount(), kNone);
     for (std::uint32_t id = 0; id < found.nodes.size(); ++id) {
       // A cut terminal stands on the way to a polygon, it is not that polygon's node.
-      if (found.nodes[id].reason != TerminalReason::kHorizon) nodeOf[index(found.nodes[id].polygon)] = id;
+      if (found.nodes[id].reason != TerminalReason::kHorizon)
+        nodeOf[index(found.nodes[id].polygon)] = id;
     }
     for (std::uint32_t u = 0; u < graph.polygonCount(); ++u) {
       for (std::uint32_t p = graph.portalStart[u]; p < graph.portalStart[u + 1]; ++p) {
@@ -228,8 +233,8 @@ TEST(Predict, KeepsTheNodesOfAShorterHorizon) {
 std::vector<std::pair<int, float>> shapeOf(const PredictionGraph& graph, float scale) {
   std::vector<std::pair<int, float>> shape;
   for (const Node& node : graph.nodes) {
-    shape.push_back({static_cast<int>(node.kind) * 4 + static_cast<int>(node.reason),
-                     node.distance / scale});
+    shape.push_back(
+        {static_cast<int>(node.kind) * 4 + static_cast<int>(node.reason), node.distance / scale});
   }
   std::sort(shape.begin(), shape.end());
   return shape;
@@ -344,13 +349,15 @@ TEST(Predict, FollowsAStraightCorridorBothWays) {
   const NavGraph graph = graphOf(testing::corridorMesh(lengths, 2.0f));
   Scratch scratch(graph);
   const glm::vec2 middle = 0.5f * (graph.centroid[19] + graph.centroid[20]) - glm::vec2(0.1f, 0.0f);
-  const PredictionGraph& found = predict(graph, {PolygonId{19}, middle, 0.0f, false}, 8.0f, scratch);
+  const PredictionGraph& found =
+      predict(graph, {PolygonId{19}, middle, 0.0f, false}, 8.0f, scratch);
   ASSERT_EQ(found.terminals.size(), 2u);
   for (const NodeId terminal : found.terminals) {
     EXPECT_EQ(found.node(terminal).reason, TerminalReason::kHorizon);
     EXPECT_NEAR(std::abs(found.node(terminal).plan.x - middle.x), 8.0f, 1e-4f);
   }
-  const PredictionGraph& whole = predict(graph, {PolygonId{19}, middle, 0.0f, false}, 100.0f, scratch);
+  const PredictionGraph& whole =
+      predict(graph, {PolygonId{19}, middle, 0.0f, false}, 100.0f, scratch);
   ASSERT_EQ(whole.terminals.size(), 2u);
   for (const NodeId terminal : whole.terminals) {
     EXPECT_EQ(whole.node(terminal).reason, TerminalReason::kDeadEnd);

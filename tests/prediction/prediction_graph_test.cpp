@@ -31,8 +31,7 @@ struct CornerWalk {
   NavGraph graph = corner();
   Scratch scratch{graph};
   glm::vec2 start = graph.centroid[0];
-  const PredictionGraph& found =
-      predict(graph, {PolygonId{0}, start, 0.0f, false}, 20.0f, scratch);
+  const PredictionGraph& found = predict(graph, {PolygonId{0}, start, 0.0f, false}, 20.0f, scratch);
   NodeId end = found.terminals.front();
 };
 
@@ -58,7 +57,8 @@ TEST(PredictionGraph, FindsTheBendAheadAndNoneBehindIt) {
   Bend bend{};
   ASSERT_TRUE(nextBend(l.found, l.end, 0.0f, 0.05f, bend));
   EXPECT_GT(bend.angle, 0.0f);  // a left turn: right along plan x, then up
-  EXPECT_NEAR(glm::distance(pointAlong(l.found, l.end, bend.distance).plan, bend.plan), 0.0f, 1e-4f);
+  EXPECT_NEAR(glm::distance(pointAlong(l.found, l.end, bend.distance).plan, bend.plan), 0.0f,
+              1e-4f);
   EXPECT_NEAR(bend.plan.x, 4.0f, 1e-5f);
   EXPECT_NEAR(bend.plan.y, 2.0f, 1e-5f);
   EXPECT_FALSE(nextBend(l.found, l.end, bend.distance, 0.05f, bend));
@@ -79,8 +79,8 @@ TEST(PredictionGraph, ListsEveryWayFromTheSourceFirst) {
       float s = 0.0f;
       for (std::size_t i = 1; i < way.size(); ++i) {
         s += glm::distance(navmesh::toPlan(way[i]), navmesh::toPlan(way[i - 1]));
-        EXPECT_NEAR(glm::distance(pointAlong(found, terminal, s).plan, navmesh::toPlan(way[i])), 0.0f,
-                    1e-3f);
+        EXPECT_NEAR(glm::distance(pointAlong(found, terminal, s).plan, navmesh::toPlan(way[i])),
+                    0.0f, 1e-3f);
       }
     }
   }

@@ -1,4 +1,5 @@
-// The example of prediction/README.md, compiled and run; the last test sees that the two stay equal.
+// The example of prediction/README.md, compiled and run; the last test sees that the two stay
+// equal.
 #include <gmock/gmock.h>
 
 #include <fstream>

@@ -20,13 +20,14 @@ using navmesh::NavGraph;
 NavGraph built(float tile) {
   navmesh::BuildSettings settings;
   settings.tile = tile;
-  const auto scene = navmesh::importScene(std::filesystem::path(FOREWALK_ASSETS "/scenes/office.obj"));
+  const auto scene =
+      navmesh::importScene(std::filesystem::path(FOREWALK_ASSETS "/scenes/office.obj"));
   const auto mesh = navmesh::buildNavMesh(*scene, settings);
   return *navmesh::makeNavGraph(navmesh::flatten(*mesh));
 }
 
-/// Length of the taut path from the source of the last run to a place, or infinity where the search did
-/// not come.
+/// Length of the taut path from the source of the last run to a place, or infinity where the search
+/// did not come.
 float distanceTo(HorizonSearch& search, const std::vector<Corner>& corners, const Location& place) {
   const std::uint32_t at = search.treeIndexOf(place.polygon);
   if (at == kNone) return INFINITY;

@@ -80,7 +80,8 @@ Listing paperListing(const NavGraph& graph, const navmesh::Location& source, flo
       const std::uint32_t before = state.prev[u];
       state.prevPG[u] = before == s || branches.count(before) > 0 ? before : state.prevPG[before];
     }
-    result.settled.push_back({u, state.prev[u], state.prevPG[u], state.entry[u], key, tautLength, within});
+    result.settled.push_back(
+        {u, state.prev[u], state.prevPG[u], state.entry[u], key, tautLength, within});
     if (!within) continue;
     if (u != s) {
       if (graph.neighbourCount[u] > 2) branches.insert(u);
