@@ -9,15 +9,6 @@
 namespace forewalk::navmesh {
 namespace {
 
-// Twice the signed area, with the sign of the exact result: differences of coordinates and their
-// products fit into a double, so that a corner seen from both ends of a corridor is the same
-// corner.
-double exactTurn(glm::vec2 a, glm::vec2 b, glm::vec2 c) {
-  const glm::dvec2 ab = glm::dvec2(b) - glm::dvec2(a);
-  const glm::dvec2 ac = glm::dvec2(c) - glm::dvec2(a);
-  return ab.x * ac.y - ab.y * ac.x;
-}
-
 // Adds a waypoint: nothing where the path is already, and without the one before it where the path
 // goes straight on there.
 void addWaypoint(glm::vec2 point, std::vector<glm::vec2>& path) {

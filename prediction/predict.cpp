@@ -12,13 +12,6 @@ using navmesh::Portal;
 
 namespace {
 
-/// Twice the signed area in double precision: the sign is that of the exact result.
-double exactTurn(glm::vec2 a, glm::vec2 b, glm::vec2 c) {
-  const glm::dvec2 ab = glm::dvec2(b) - glm::dvec2(a);
-  const glm::dvec2 ac = glm::dvec2(c) - glm::dvec2(a);
-  return ab.x * ac.y - ab.y * ac.x;
-}
-
 /// Builds one graph. Lives for one predict() call; every buffer is the scratch's. Nodes and edges
 /// are filled field by field in their places: built aside and copied, they would wait for the store
 /// buffer.
@@ -242,8 +235,8 @@ class Assembly {
   /// The same through a single portal, which most edges have: straight, or around one of its ends.
   float addPathThroughOne(glm::vec2 start, glm::vec2 goal, const Portal& portal) {
     out_.pathPoints.push_back(start);
-    const bool aroundLeft = exactTurn(start, portal.left, goal) > 0.0;
-    const bool aroundRight = exactTurn(start, portal.right, goal) < 0.0;
+    const bool aroundLeft = navmesh::exactTurn(start, portal.left, goal) > 0.0;
+    const bool aroundRight = navmesh::exactTurn(start, portal.right, goal) < 0.0;
     float length;
     if (aroundLeft || aroundRight) {
       const glm::vec2 bend = aroundLeft ? portal.left : portal.right;
