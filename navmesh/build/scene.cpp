@@ -41,22 +41,7 @@ tl::expected<Scene, Error> finish(Scene scene, const ImportSettings& settings) {
     }
     scene.vertices[i] = metres;
   }
-  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
-    const glm::uvec3 corners = scene.triangles[i];
-    const std::uint32_t highest = std::max({corners.x, corners.y, corners.z});
-    if (highest >= scene.vertices.size()) {
-      return refuse(ErrorCode::kDataDamaged,
-                    fmt::format("{}: triangle {} names vertex {} (from 0), there are {}. Export it "
-                                "again or remove the triangle.",
-                                scene.name, i, highest, scene.vertices.size()));
-    }
-  }
-  if (scene.triangles.empty()) {
-    return refuse(ErrorCode::kSceneEmpty,
-                  fmt::format("{}: no triangle among its {} vertices. Export the meshes as faces, "
-                              "not as points or lines.",
-                              scene.name, scene.vertices.size()));
-  }
+  if (auto sound = validate(scene); !sound) return tl::unexpected(sound.error());
   return scene;
 }
 
@@ -75,14 +60,31 @@ tl::expected<Scene, Error> importBytes(std::span<const std::byte> bytes, SceneFo
 
 }  // namespace
 
-std::string inQuotes(std::string_view text) {
-  constexpr std::size_t kShown = 32;
-  std::string shown = "\"";
-  for (const char c : text.substr(0, kShown)) {
-    shown += c >= ' ' && c <= '~' ? c : '?';
+tl::expected<void, Error> validate(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.vertices.size(); ++i) {
+    const glm::vec3& vertex = scene.vertices[i];
+    if (!std::isfinite(vertex.x) || !std::isfinite(vertex.y) || !std::isfinite(vertex.z)) {
+      return damaged(fmt::format("{}: vertex {} is ({}, {}, {}), not a place. Remove it.",
+                                 scene.name, i, vertex.x, vertex.y, vertex.z));
+    }
   }
-  shown += text.size() > kShown ? "...\"" : "\"";
-  return shown;
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    const glm::uvec3 corners = scene.triangles[i];
+    const std::uint32_t highest = std::max({corners.x, corners.y, corners.z});
+    if (highest >= scene.vertices.size()) {
+      return refuse(ErrorCode::kDataDamaged,
+                    fmt::format("{}: triangle {} names vertex {} (from 0), there are {}. Export it "
+                                "again or remove the triangle.",
+                                scene.name, i, highest, scene.vertices.size()));
+    }
+  }
+  if (scene.triangles.empty()) {
+    return refuse(ErrorCode::kSceneEmpty,
+                  fmt::format("{}: no triangle among its {} vertices. Export the meshes as faces, "
+                              "not as points or lines.",
+                              scene.name, scene.vertices.size()));
+  }
+  return {};
 }
 
 tl::expected<std::vector<std::byte>, Error> readBytes(const std::filesystem::path& file) {

@@ -57,6 +57,10 @@ struct ImportSettings {
                                                      SceneFormat format, const std::string& name,
                                                      const ImportSettings& settings = {});
 
+/// Whether a scene that somebody filled in themselves could have come from a file: it has
+/// triangles, every vertex is finite, and triangles name vertices that are there. O(size).
+[[nodiscard]] tl::expected<void, Error> validate(const Scene& scene);
+
 /// The format that a file's ending names, or kFormatUnknown.
 [[nodiscard]] tl::expected<SceneFormat, Error> sceneFormatOf(const std::filesystem::path& file);
 

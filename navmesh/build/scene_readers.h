@@ -10,6 +10,7 @@
 #include <tl/expected.hpp>
 
 #include "navmesh/build/scene.h"
+#include "navmesh/file_text.h"
 
 namespace forewalk::navmesh {
 
@@ -35,7 +36,8 @@ inline tl::unexpected<Error> refuse(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
 
-/// A piece of a file as it may stand in a message: printable and short, whatever bytes it has.
-std::string inQuotes(std::string_view text);
+inline tl::unexpected<Error> damaged(std::string message) {
+  return refuse(ErrorCode::kDataDamaged, std::move(message));
+}
 
 }  // namespace forewalk::navmesh

@@ -1,9 +1,9 @@
 // The example of navmesh/README.md, compiled and run; the last test sees that the two stay equal.
 #include <gmock/gmock.h>
 
-#include <fstream>
-#include <sstream>
 #include <string>
+
+#include "tests/support/readme.h"
 
 // clang-format off
 #include "navmesh/corridor.h"
@@ -29,17 +29,11 @@ std::vector<glm::vec3> wayBetween(const NavGraph& graph, const LocationIndex& in
 
 namespace {
 
-std::string contentsOf(const std::string& file) {
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 // A floor of 2 m x 2 m without its far right quarter, made of three squares.
 PolygonMesh lShapedFloor() {
   PolygonMesh mesh;
-  for (const glm::vec2 p : {glm::vec2{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}, {0, 2}, {1, 2}}) {
+  for (const glm::vec2 p :
+       {glm::vec2{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}, {0, 2}, {1, 2}}) {
     mesh.vertices.push_back({p.x, 0.5f, -p.y});
   }
   mesh.ring = {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6};
@@ -52,18 +46,16 @@ TEST(NavmeshReadme, FindsTheWayAroundACorner) {
   const LocationIndex index = makeLocationIndex(graph);
   const std::vector<glm::vec3> way =
       wayBetween(graph, index, {1.9f, 0.5f, -0.9f}, {0.9f, 0.5f, -1.9f});
-  EXPECT_EQ(way, (std::vector<glm::vec3>{{1.9f, 0.5f, -0.9f}, {1.0f, 0.5f, -1.0f}, {0.9f, 0.5f, -1.9f}}));
+  EXPECT_EQ(
+      way, (std::vector<glm::vec3>{{1.9f, 0.5f, -0.9f}, {1.0f, 0.5f, -1.0f}, {0.9f, 0.5f, -1.9f}}));
   EXPECT_TRUE(wayBetween(graph, index, {1.9f, 0.5f, -0.9f}, {50.0f, 0.5f, 0.0f}).empty());
 }
 
 TEST(NavmeshReadme, ShowsTheExampleThatIsCompiledHere) {
-  const std::string readme = contentsOf(FOREWALK_SOURCE "/navmesh/README.md");
-  const std::size_t begin = readme.find("```cpp\n");
-  ASSERT_NE(begin, std::string::npos);
-  const std::size_t first = begin + std::string("```cpp\n").size();
-  const std::string example = readme.substr(first, readme.find("```", first) - first);
+  using forewalk::testing::contentsOf;
   EXPECT_THAT(contentsOf(FOREWALK_SOURCE "/tests/navmesh/navmesh_readme_test.cpp"),
-              ::testing::HasSubstr(example));
+              ::testing::HasSubstr(
+                  forewalk::testing::firstExampleIn(FOREWALK_SOURCE "/navmesh/README.md")));
 }
 
 }  // namespace

@@ -364,6 +364,8 @@ TEST_F(GltfImport, RefusesNumbersThatLeadOutside) {
       HasSubstr("POSITION"));
   EXPECT_THAT(message([](Json& j) { j["meshes"][0]["primitives"][0]["indices"] = 2; }),
               HasSubstr("indices"));
+  EXPECT_THAT(message([](Json& j) { j["meshes"][0]["primitives"][0]["indices"] = 0; }),
+              HasSubstr("accessor 0 (indices of mesh 0, primitive 0) has type \"VEC3\""));
   EXPECT_THAT(message([](Json& j) { j["meshes"][0]["primitives"][0]["mode"] = 7; }),
               HasSubstr("mode"));
   EXPECT_THAT(message([](Json& j) { j["nodes"][0]["mesh"] = 1; }), HasSubstr("node 0"));
@@ -447,6 +449,10 @@ TEST_F(GltfImport, RefusesDamagedText) {
   refusal(readText("null"));
   refusal(readText("{}"));
   refusal(readText(std::string(100000, '[')));
+  // Whole and well-formed, in a place where the message would show it.
+  const std::string deep = std::string(200000, '[') + std::string(200000, ']');
+  EXPECT_THAT(refusal(readText(R"({"asset":{"version":"2.0"},"nodes":[{"scale":)" + deep + "}]}")),
+              HasSubstr("deep"));
   File file = quadFile(kShort);
   file.json["buffers"][0]["uri"] = "data:application/octet-stream;base64,AAAA";
   refusal(readText(gltf(file)));

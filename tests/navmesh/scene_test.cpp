@@ -362,8 +362,8 @@ TEST_F(SceneImport, NamesLineElementAndValue) {
   EXPECT_THAT(message(three + "f 1 2\n", SceneFormat::kObj),
               HasSubstr("room:4: face 1 has 2 corners"));
   EXPECT_THAT(message("v 0 0\n", SceneFormat::kObj), HasSubstr("room:1: vertex 1 has z missing"));
-  for (const char* bad :
-       {"nan", "NaN", "inf", "-inf", "1e39", "1e999", "0x10", "1,5", "1.5f", "--1", "\x80"}) {
+  for (const char* bad : {"nan", "NaN", "inf", "-inf", "1e39", "1e999", "0x10", "1,5", "1.5f",
+                          "--1", "+-1", "++1", "+", "\x80"}) {
     EXPECT_THAT(message(three + "v 0 " + bad + " 0\nf 1 2 3\n", SceneFormat::kObj),
                 HasSubstr("room:4: vertex 4 has y \""))
         << bad;
