@@ -359,6 +359,7 @@ tl::expected<NavGraph, Error> makeNavGraph(const PolygonMesh& mesh) {
   if (auto placed = placeSuccessors(graph); !placed) return tl::unexpected(placed.error());
   countNeighbours(graph);
   labelComponents(graph);
+  graph.chains = findChains(graph);
   return graph;
 }
 

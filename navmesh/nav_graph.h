@@ -15,6 +15,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "navmesh/chains.h"
 #include "navmesh/error.h"
 #include "navmesh/plan.h"
 #include "navmesh/polygon_mesh.h"
@@ -48,6 +49,8 @@ struct NavGraph {
   std::vector<Portal> portals;                  ///< per half-portal, left and right walking out; plan
   std::vector<glm::vec2> centroid;              ///< per polygon, of its area; plan
   std::vector<std::uint32_t> neighbourCount;    ///< per polygon: distinct neighbours, deg(u) of the paper
+
+  Chains chains;                                ///< runs of polygons with two neighbours each
 
   // What location, heights and drawing touch.
   std::vector<std::uint32_t> ringStart{0};      ///< polygons + 1 offsets into ring, ringHeight

@@ -11,6 +11,7 @@ void FunnelTree::reserve(std::size_t nodes) {
   apex_.resize(nodes);
   left_.resize(nodes);
   right_.resize(nodes);
+  opened_.resize(nodes);
   points_.resize(2 * nodes);
   cornerOf_.resize(2 * nodes);
   path_.resize(nodes);
@@ -76,8 +77,7 @@ FunnelTree::Funnel FunnelTree::narrowed(Funnel funnel, std::uint32_t depth) {
     if (beyondLeft || beyondRight) {
       const std::uint32_t at = beyondLeft ? funnel.left : funnel.right;
       bend(funnel.apex, at);
-      funnel = {at, at, at};
-      depth = pushPath(at, links_[node].parent, depth);
+      funnel = open(at, links_[node].parent, depth);
       continue;
     }
     const bool narrowsLeft = navmesh::cross(toLeft, toNewLeft) <= 0.0f;
@@ -89,10 +89,13 @@ FunnelTree::Funnel FunnelTree::narrowed(Funnel funnel, std::uint32_t depth) {
   return funnel;
 }
 
-/// Pushes the nodes behind the one that point `at` belongs to, up to `node`. Returns the new depth.
-std::uint32_t FunnelTree::pushPath(std::uint32_t at, std::uint32_t node, std::uint32_t depth) {
-  for (; node != nodeOf(at); node = links_[node].parent) stack_[depth++] = node;
-  return depth;
+/// A funnel from point `at`, to be narrowed by the nodes that are pushed for it, up to `node`.
+FunnelTree::Funnel FunnelTree::open(std::uint32_t at, std::uint32_t node, std::uint32_t& depth) {
+  for (; node != nodeOf(at); node = links_[node].parent) {
+    if (opened_[node].at == at) return opened_[node].funnel;
+    stack_[depth++] = node;
+  }
+  return {at, at, at};
 }
 
 /// The path from `apex` bends at point `at`: makes a corner of it, once.
@@ -120,7 +123,14 @@ std::uint32_t FunnelTree::cornerBefore(std::uint32_t node, glm::vec2 end, float 
     if ((*corners_)[cornerOf_[funnel.apex]].distance >= enough) break;
     const std::uint32_t at = beyondLeft ? funnel.left : funnel.right;
     bend(funnel.apex, at);
-    funnel = narrowed({at, at, at}, pushPath(at, node, 0));
+    std::uint32_t depth = 0;
+    funnel = open(at, node, depth);
+    if (depth == 0) continue;
+    funnel = narrowed(funnel, depth);
+    opened_[node].at = at;
+    opened_[node].funnel.apex = funnel.apex;
+    opened_[node].funnel.left = funnel.left;
+    opened_[node].funnel.right = funnel.right;
   }
   return cornerOf_[funnel.apex];
 }

@@ -44,6 +44,7 @@ class FunnelTree {
   void add(TreeLink link) {
     links_[count_].parent = link.parent;
     links_[count_].portal = link.portal;
+    opened_[count_].at = kNone;
     apex_[count_++] = kNone;
   }
 
@@ -75,7 +76,7 @@ class FunnelTree {
   void find(std::uint32_t node);
   void findFromParent(std::uint32_t node);
   Funnel narrowed(Funnel funnel, std::uint32_t depth);
-  std::uint32_t pushPath(std::uint32_t at, std::uint32_t node, std::uint32_t depth);
+  Funnel open(std::uint32_t at, std::uint32_t node, std::uint32_t& depth);
   void bend(std::uint32_t apex, std::uint32_t at);
 
   const navmesh::NavGraph* graph_ = nullptr;
@@ -88,6 +89,14 @@ class FunnelTree {
   std::vector<std::uint32_t> left_;
   std::vector<std::uint32_t> right_;
   std::uint32_t count_ = 0;
+
+  // What a path to a point of a node's polygon sees once it has bent around the point `at`: kept,
+  // because the paths to the node's children mostly bend there too. `at` is kNone until then.
+  struct Opened {
+    std::uint32_t at;
+    Funnel funnel;
+  };
+  std::vector<Opened> opened_;
 
   // Per point; valid where a funnel has been found.
   std::vector<glm::vec2> points_;

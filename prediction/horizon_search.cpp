@@ -6,6 +6,7 @@
 namespace forewalk::prediction {
 
 using navmesh::KeyQueue;
+using navmesh::kNoChain;
 using navmesh::NavGraph;
 
 HorizonSearch::HorizonSearch(const NavGraph& graph, std::uint32_t polygonLimit)
@@ -15,57 +16,206 @@ HorizonSearch::HorizonSearch(const NavGraph& graph, std::uint32_t polygonLimit)
         std::max(mostNeighbours_, graph.portalStart[polygon + 1] - graph.portalStart[polygon]);
   }
   reach_.resize(graph.polygonCount());
+  chains_.resize(graph.chains.chainCount() + 2);
+  touchedChains_.resize(graph.chains.chainCount() + 2);
   // Each half-portal of a settled polygon is pushed at most once. That many for the whole limit
   // would be wasteful in large graphs; a queue that fills up is reported like a tree that does.
   queue_.reserve(std::min<std::size_t>(graph.portalCount(), std::size_t{8} * limit_) +
                  mostNeighbours_ + 1);
   tree_.resize(limit_);
   funnels_.reserve(limit_);
-  funnels_.reserve(limit_);
-  improved_.resize(mostNeighbours_ + 1);
 }
 
 void HorizonSearch::reset() {
   for (const SearchNode& node : tree()) reach_[index(node.polygon)] = Reach{};
   for (std::size_t i = 0; i < queue_.size(); ++i) {
-    reach_[index(KeyQueue::polygonOf(queue_.at(i)))] = Reach{};
+    const std::uint32_t entry = index(KeyQueue::polygonOf(queue_.at(i)));
+    if (entry < kArrival) reach_[entry] = Reach{};
   }
+  for (std::uint32_t i = 0; i < touchedCount_; ++i) chains_[touchedChains_[i]] = ChainReach{};
+  touchedCount_ = 0;
   count_ = 0;
   queue_.clear();
   relaxed_ = 0;
   limitReached_ = false;
+  completeTo_ = std::numeric_limits<float>::infinity();
+  latestKey_ = 0.0f;
 }
 
-void HorizonSearch::settle(PolygonId polygon, const Reach& reach) {
-  if (count_ > 0) funnels_.add({reach.parent, reach.portal});
+std::uint32_t HorizonSearch::settle(PolygonId polygon, std::uint32_t parent, std::uint32_t portal,
+                                    float key) {
+  reach_[index(polygon)].treeIndex = count_;
+  if (count_ > 0) funnels_.add({parent, portal});
   // Field by field into its place: built aside and copied, it would wait for the store buffer.
-  SearchNode& node = tree_[count_++];
+  SearchNode& node = tree_[count_];
+  const SearchNode& before = tree_[parent];
   node.polygon = polygon;
-  node.parent = reach.parent;
-  node.portal = reach.portal;
-  node.key = reach.key;
+  node.parent = parent;
+  node.portal = portal;
+  node.key = key;
   node.corner = kNone;
-  node.prevPG = 0;
+  node.prevPG = before.branch ? parent : before.prevPG;
   node.within = true;
   node.branch = false;
   node.hasWithinChild = false;
   node.hasCutChild = false;
   node.dropped = false;
+  return count_++;
+}
+
+/// Puts an entry in the place of the one being relaxed, or beside it where that is taken.
+void HorizonSearch::enqueue(float key, std::uint32_t entry) {
+  if (topTaken_) {
+    queue_.push(KeyQueue::entryOf(key, PolygonId{entry}));
+  } else {
+    queue_.replaceTop(KeyQueue::entryOf(key, PolygonId{entry}));
+    topTaken_ = true;
+  }
+}
+
+/// Offers a polygon a way.
+void HorizonSearch::label(PolygonId polygon, float key, std::uint32_t portal,
+                          std::uint32_t parent) {
+  Reach& reach = reach_[index(polygon)];
+  if (key >= reach.key) return;
+  reach.key = key;
+  reach.portal = portal;
+  reach.parent = parent;
+  enqueue(key, index(polygon));
+}
+
+/// What is known of the chain, or the part of it, that is entered by a directed chain's first row.
+HorizonSearch::ChainReach& HorizonSearch::chainReach(std::uint32_t directed) {
+  const std::uint32_t chain = directed / 2;
+  return chains_[chain == ownChain_ ? graph_->chains.chainCount() + directed % 2 : chain];
+}
+
+/// Goes from tree node `node` into a chain; `key` is that of its first portal.
+void HorizonSearch::enterChain(std::uint32_t directed, float key, std::uint32_t node) {
+  ChainReach& chain = chainReach(directed);
+  if (chain.passage == ChainReach::kUntouched) {
+    startChain(chain, directed, graph_->chains.directed[directed].begin, key, node);
+  } else if (chain.passage == ChainReach::kEntered) {
+    settleMeeting(chain, directed, key, node);
+  }
+}
+
+void HorizonSearch::touch(ChainReach& chain, ChainReach::Passage passage) {
+  touchedChains_[touchedCount_++] = static_cast<std::uint32_t>(&chain - chains_.data());
+  chain.passage = passage;
+}
+
+void HorizonSearch::startChain(ChainReach& chain, std::uint32_t directed, std::uint32_t begin,
+                               float key, std::uint32_t node) {
+  touch(chain, ChainReach::kEntered);
+  chain.directed = directed;
+  chain.begin = begin;
+  chain.node = node;
+  chain.key = key;
+  const navmesh::DirectedChain& way = graph_->chains.directed[directed];
+  if (way.exit == kNoChain) {
+    settleChain(chain);  // nobody can come from the other end
+  } else {
+    enqueue(key + way.exitLength, kArrival | directed);
+  }
+}
+
+/// Settles rows [begin, end) of a directed chain after tree node `node`, up to the first that is
+/// beyond the horizon. A row's key is `key` and its length.
+HorizonSearch::Walked HorizonSearch::settleRows(std::uint32_t directed, std::uint32_t begin,
+                                                std::uint32_t end, float key, std::uint32_t node) {
+  // By keys all of the chain is within, mostly, and then it is so by taut lengths.
+  const bool within = key + graph_->chains.directed[directed].farthest <= horizon_;
+  const navmesh::ChainRow* rows = graph_->chains.rows.data();
+  for (std::uint32_t row = begin; row < end; ++row) {
+    if (count_ == limit_) {
+      tree_[node].dropped = true;
+      dropQueue();
+      return {node, row, true};
+    }
+    const std::uint32_t before = node;
+    node = settle(rows[row].polygon, before, rows[row].portal, key + rows[row].length);
+    if (within) {
+      tree_[before].hasWithinChild = true;
+    } else if (!judge(node)) {
+      return {node, row + 1, true};
+    }
+    relaxed_ += 2;
+  }
+  return {node, end, false};
+}
+
+/// Settles all of a chain the way it was entered.
+HorizonSearch::Walked HorizonSearch::settleChain(ChainReach& chain) {
+  const std::uint32_t end = graph_->chains.directed[chain.directed].end;
+  const Walked walked = settleRows(chain.directed, chain.begin, end, chain.key, chain.node);
+  chain.passage = ChainReach::kSettled;
+  return walked;
+}
+
+/// Settles a chain that was entered from one end and now, at `key`, from the other by `directed`:
+/// each polygon from where it is nearer, or from where it can be reached.
+void HorizonSearch::settleMeeting(ChainReach& chain, std::uint32_t directed, float key,
+                                  std::uint32_t node) {
+  const navmesh::ChainRow* rows = graph_->chains.rows.data();
+  const std::uint32_t end = graph_->chains.directed[chain.directed].end;
+  const std::uint32_t back = graph_->chains.directed[directed].begin;
+  const std::uint32_t mirror = back + end - 1;
+  std::uint32_t meeting = chain.begin;
+  while (meeting < end && chain.key + rows[meeting].length <= key + rows[mirror - meeting].length) {
+    ++meeting;
+  }
+  const Walked here = settleRows(chain.directed, chain.begin, meeting, chain.key, chain.node);
+  const std::uint32_t backEnd = mirror + 1 - (here.cut ? here.row : meeting);
+  if (limitReached_) {
+    tree_[node].dropped = true;
+    return;
+  }
+  const Walked there = settleRows(directed, back, backEnd, key, node);
+  if (there.cut && !here.cut && !limitReached_) {
+    settleRows(chain.directed, meeting, mirror + 1 - there.row, chain.key, here.node);
+  }
+  chain.passage = ChainReach::kSettled;
 }
 
 void HorizonSearch::relaxFromSource(const navmesh::Location& source) {
   const std::uint32_t begin = graph_->portalStart[index(source.polygon)];
   const std::uint32_t end = graph_->portalStart[index(source.polygon) + 1];
   relaxed_ += end - begin;
-  for (std::uint32_t portal = begin; portal < end; ++portal) {
-    const PolygonId to = graph_->portalTo[portal];
-    Reach& reach = reach_[index(to)];
+  topTaken_ = true;
+  for (std::uint32_t portal = begin; portal < end && !limitReached_; ++portal) {
     const float key = glm::distance(source.plan, graph_->portalMidpoint[portal]);
-    if (key >= reach.key) continue;
-    reach.key = key;
-    reach.portal = portal;
-    reach.parent = 0;
-    queue_.push(KeyQueue::entryOf(key, to));
+    const std::uint32_t directed = graph_->chains.enteredBy[portal];
+    if (ownChain_ != kNoChain) {
+      enterOwnChain(portal, key);
+    } else if (directed != kNoChain) {
+      enterChain(directed, key, 0);
+    } else {
+      label(graph_->portalTo[portal], key, portal, 0);
+    }
+  }
+}
+
+/// The same from the middle of a chain.
+void HorizonSearch::enterOwnChain(std::uint32_t portal, float key) {
+  const navmesh::Chains& chains = graph_->chains;
+  const std::uint32_t even = 2 * ownChain_;
+  const std::uint32_t row = chains.rowOf[index(tree_[0].polygon)];
+  const std::uint32_t mirror = chains.directed[even + 1].begin + chains.directed[even].end - 1;
+  for (const std::uint32_t directed : {even, even + 1}) {
+    const std::uint32_t begin = (directed == even ? row : mirror - row) + 1;
+    const navmesh::DirectedChain& way = chains.directed[directed];
+    const bool leaves = begin == way.end;
+    if (portal != (leaves ? way.exit : chains.rows[begin].portal)) continue;
+    // The part between the user and the far end, as it is entered from there.
+    ChainReach& part = chainReach(directed ^ 1);
+    if (leaves) {
+      touch(part, ChainReach::kSettled);
+      label(graph_->portalTo[portal], key, portal, 0);
+    } else {
+      startChain(part, directed, begin, key - chains.rows[begin].length, 0);
+    }
+    return;
   }
 }
 
@@ -75,60 +225,100 @@ void HorizonSearch::relax(std::uint32_t node) {
   const std::uint32_t begin = graph_->portalStart[index(from.polygon)];
   const std::uint32_t end = graph_->portalStart[index(from.polygon) + 1];
   const float* length = graph_->successorLength.data() + graph_->successorStart[from.portal];
-  const PolygonId* to = graph_->portalTo.data();
+  const float key = from.key;
   relaxed_ += end - begin;
-
-  // Which neighbours improve is as good as random to the branch predictor, so they are listed
-  // without a branch first. A settled polygon's key is not larger than any that comes later: no
-  // test of its own.
-  std::uint32_t improvedCount = 0;
+  topTaken_ = false;
   for (std::uint32_t portal = begin; portal < end; ++portal) {
-    improved_[improvedCount] = portal;
-    improvedCount += from.key + length[portal - begin] < reach_[index(to[portal])].key ? 1u : 0u;
-  }
-  bool topTaken = false;
-  for (std::uint32_t i = 0; i < improvedCount; ++i) {
-    const std::uint32_t portal = improved_[i];
-    Reach& reach = reach_[index(to[portal])];
-    const float key = from.key + length[portal - begin];
-    if (key >= reach.key) continue;  // two portals to the same neighbour
-    reach.key = key;
-    reach.portal = portal;
-    reach.parent = node;
-    const KeyQueue::Entry entry = KeyQueue::entryOf(key, to[portal]);
-    if (topTaken) {
-      queue_.push(entry);
+    const std::uint32_t directed = graph_->chains.enteredBy[portal];
+    if (directed != kNoChain) {
+      enterChain(directed, key + length[portal - begin], node);
     } else {
-      queue_.replaceTop(entry);
-      topTaken = true;
+      label(graph_->portalTo[portal], key + length[portal - begin], portal, node);
     }
   }
-  if (!topTaken) queue_.pop();
+  if (!topTaken_) queue_.pop();
 }
 
-bool HorizonSearch::isWithin(std::uint32_t node, glm::vec2 source, float horizon,
-                             const std::vector<Corner>& corners, Limit limit) {
+bool HorizonSearch::isWithin(std::uint32_t node) {
   SearchNode& at = tree_[node];
-  if (at.key + graph_->portalToCentroid[at.portal] <= horizon) return true;
-  if (limit == Limit::kKey) return false;
+  if (at.key + graph_->portalToCentroid[at.portal] <= horizon_) return true;
+  if (by_ == Limit::kKey) return false;
   const glm::vec2 centroid = graph_->centroid[index(at.polygon)];
-  if (glm::distance(source, centroid) > horizon) return false;
+  if (glm::distance(source_, centroid) > horizon_) return false;
   // The way by the last bend that all paths through the parent share is no longer than the taut
   // path.
+  const std::vector<Corner>& corners = *corners_;
   const Corner& shared = corners[funnels_.cornerShared(at.parent)];
-  if (shared.distance + glm::distance(shared.plan, centroid) > horizon) return false;
-  at.corner = cornerBefore(node, centroid, horizon);
+  if (shared.distance + glm::distance(shared.plan, centroid) > horizon_) return false;
+  at.corner = cornerBefore(node, centroid, horizon_);
   const Corner& before = corners[at.corner];
-  return before.distance + glm::distance(before.plan, centroid) <= horizon;
+  return before.distance + glm::distance(before.plan, centroid) <= horizon_;
 }
 
-/// The limit stops the search: the ways that are still in the queue are dropped.
+/// Finds whether a node that was just settled is within the horizon, and tells its parent.
+bool HorizonSearch::judge(std::uint32_t node) {
+  SearchNode& at = tree_[node];
+  at.within = isWithin(node);
+  SearchNode& parent = tree_[at.parent];
+  parent.hasWithinChild = parent.hasWithinChild || at.within;
+  parent.hasCutChild = parent.hasCutChild || !at.within;
+  return at.within;
+}
+
+/// The limit stops the search: the ways that are not settled yet are dropped.
 void HorizonSearch::dropQueue() {
   limitReached_ = true;
+  // What has a smaller key than the latest polygon of the queue is settled, or waits in a chain.
+  completeTo_ = latestKey_;
   for (std::size_t i = 0; i < queue_.size(); ++i) {
-    const Reach& reach = reach_[index(KeyQueue::polygonOf(queue_.at(i)))];
-    if (reach.treeIndex == kNone) tree_[reach.parent].dropped = true;
+    const std::uint32_t entry = index(KeyQueue::polygonOf(queue_.at(i)));
+    if (entry < kArrival && reach_[entry].treeIndex == kNone) {
+      tree_[reach_[entry].parent].dropped = true;
+    }
   }
+  for (std::uint32_t i = 0; i < touchedCount_; ++i) {
+    const ChainReach& chain = chains_[touchedChains_[i]];
+    if (chain.passage != ChainReach::kEntered) continue;
+    tree_[chain.node].dropped = true;
+    completeTo_ = std::min(completeTo_, tree_[chain.node].key);
+  }
+}
+
+/// Settles the polygon that the queue's top stands for, and looks at its neighbours.
+void HorizonSearch::settleTop(PolygonId polygon, const Reach& reach) {
+  if (count_ == limit_ || queue_.size() + mostNeighbours_ > queue_.capacity()) {
+    tree_[reach.parent].dropped = true;
+    dropQueue();
+    return;
+  }
+  const std::uint32_t node = settle(polygon, reach.parent, reach.portal, reach.key);
+  if (judge(node)) {
+    tree_[node].branch = graph_->neighbourCount[index(polygon)] > 2;
+    relax(node);
+  } else {
+    queue_.pop();
+  }
+}
+
+/// The way through a chain, the queue's top, has come to its end.
+void HorizonSearch::arrive(std::uint32_t directed, float key) {
+  // From the user's own chain a way goes toward the far end of the part it is in.
+  ChainReach& chain = directed / 2 == ownChain_ ? chainReach(directed ^ 1) : chainReach(directed);
+  if (chain.passage != ChainReach::kEntered) {
+    queue_.pop();
+    return;
+  }
+  const Walked walked = settleChain(chain);
+  const navmesh::DirectedChain& way = graph_->chains.directed[directed];
+  Reach& reach = reach_[index(way.exitTo)];
+  if (walked.cut || key >= reach.key) {
+    queue_.pop();
+    return;
+  }
+  reach.key = key;
+  reach.portal = way.exit;
+  reach.parent = walked.node;
+  settleTop(way.exitTo, reach);
 }
 
 void HorizonSearch::run(const navmesh::Location& source, float horizon,
@@ -136,36 +326,27 @@ void HorizonSearch::run(const navmesh::Location& source, float horizon,
   assert(index(source.polygon) < graph_->polygonCount());
   reset();
   funnels_.restart(*graph_, source.plan, source.height, corners);
+  source_ = source.plan;
+  horizon_ = horizon;
+  by_ = limit;
+  corners_ = &corners;
+  ownChain_ = graph_->chains.ofPolygon[index(source.polygon)];
 
-  reach_[index(source.polygon)] = {0.0f, kNone, 0, 0};
-  settle(source.polygon, reach_[index(source.polygon)]);
+  reach_[index(source.polygon)].key = 0.0f;
+  settle(source.polygon, 0, kNone, 0.0f);
+  tree_[0].prevPG = 0;
   relaxFromSource(source);
 
-  while (!queue_.empty()) {
-    const PolygonId polygon = KeyQueue::polygonOf(queue_.top());
-    Reach& reach = reach_[index(polygon)];
-    if (reach.treeIndex != kNone) {  // stale: settled by a better key
-      queue_.pop();
-      continue;
-    }
-    if (count_ == limit_ || queue_.size() + mostNeighbours_ > queue_.capacity()) {
-      dropQueue();
-      break;
-    }
-    const std::uint32_t node = count_;
-    reach.treeIndex = node;
-    settle(polygon, reach);
-    SearchNode& at = tree_[node];
-    SearchNode& parent = tree_[at.parent];
-    at.prevPG = parent.branch ? at.parent : parent.prevPG;
-    at.within = isWithin(node, source.plan, horizon, corners, limit);
-    if (at.within) {
-      parent.hasWithinChild = true;
-      at.branch = graph_->neighbourCount[index(polygon)] > 2;
-      relax(node);
+  while (!queue_.empty() && !limitReached_) {
+    const KeyQueue::Entry top = queue_.top();
+    const std::uint32_t entry = index(KeyQueue::polygonOf(top));
+    latestKey_ = KeyQueue::keyOf(top);
+    if (entry >= kArrival) {
+      arrive(entry & ~kArrival, latestKey_);
+    } else if (reach_[entry].treeIndex == kNone) {
+      settleTop(PolygonId{entry}, reach_[entry]);
     } else {
-      parent.hasCutChild = true;
-      queue_.pop();
+      queue_.pop();  // stale: settled by a better key
     }
   }
 }

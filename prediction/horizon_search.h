@@ -11,6 +11,11 @@
 // The taut length lies between the way by the last bend that is known and the key plus the last
 // step to the centroid, so it is computed only where those two lie on different sides of the
 // horizon.
+//
+// Chains (navmesh/chains.h) are crossed in one step: only polygons where ways part, and the
+// arrivals at the far ends of chains, go through the queue. The tree is that of the plain search,
+// in another order: a chain is settled when the way through it arrives, or when it is entered from
+// its far end as well and the two ways meet inside.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +30,7 @@
 
 namespace forewalk::prediction {
 
-/// A settled polygon. Parents come before children; 0 is the source.
+/// A settled polygon. Parents come before children, 0 is the source; the order is no other.
 struct SearchNode {
   PolygonId polygon;
   std::uint32_t parent;  ///< index in the tree; of the source: 0
@@ -63,6 +68,9 @@ class HorizonSearch {
   /// The settled polygons. Lives until the next run.
   std::span<const SearchNode> tree() const { return {tree_.data(), count_}; }
   bool limitReached() const { return limitReached_; }
+  /// Every polygon with a smaller key than this is in the tree, metres; infinity unless the limit
+  /// was reached.
+  float completeTo() const { return completeTo_; }
   std::uint32_t relaxed() const { return relaxed_; }
   std::size_t cornerCapacity() const { return FunnelTree::cornerCapacity(limit_); }
 
@@ -86,25 +94,71 @@ class HorizonSearch {
     std::uint32_t treeIndex = kNone;
   };
 
+  /// What is known of a chain, or of a part of the user's own chain.
+  struct ChainReach {
+    enum Passage : std::uint32_t { kUntouched, kEntered, kSettled } passage = kUntouched;
+    std::uint32_t directed = 0;  // the way it was entered
+    std::uint32_t begin = 0;     // its first row
+    std::uint32_t node = 0;      // tree index of the polygon before it
+    float key = 0.0f;            // a row's is `key` and its length
+  };
+
+  /// The end of a walk through rows of a chain.
+  struct Walked {
+    std::uint32_t node;  // tree index of the last polygon settled
+    std::uint32_t row;   // the row after it
+    bool cut;            // that polygon lies beyond the horizon
+  };
+
+  // Queue entries above this are arrivals at the end of a directed chain, others are polygons.
+  static constexpr std::uint32_t kArrival = 0x80000000u;
+
   void reset();
-  void settle(PolygonId polygon, const Reach& reach);
+  std::uint32_t settle(PolygonId polygon, std::uint32_t parent, std::uint32_t portal, float key);
+  void settleTop(PolygonId polygon, const Reach& reach);
+  void arrive(std::uint32_t directed, float key);
   void relaxFromSource(const navmesh::Location& source);
+  void enterOwnChain(std::uint32_t portal, float key);
   void relax(std::uint32_t node);
+  void label(PolygonId polygon, float key, std::uint32_t portal, std::uint32_t parent);
+  void enqueue(float key, std::uint32_t entry);
+  ChainReach& chainReach(std::uint32_t directed);
+  void touch(ChainReach& chain, ChainReach::Passage passage);
+  void enterChain(std::uint32_t directed, float key, std::uint32_t node);
+  void startChain(ChainReach& chain, std::uint32_t directed, std::uint32_t begin, float key,
+                  std::uint32_t node);
+  Walked settleChain(ChainReach& chain);
+  void settleMeeting(ChainReach& chain, std::uint32_t directed, float key, std::uint32_t node);
+  Walked settleRows(std::uint32_t directed, std::uint32_t begin, std::uint32_t end, float key,
+                    std::uint32_t node);
   void dropQueue();
-  bool isWithin(std::uint32_t node, glm::vec2 source, float horizon,
-                const std::vector<Corner>& corners, Limit limit);
+  bool judge(std::uint32_t node);
+  bool isWithin(std::uint32_t node);
 
   const navmesh::NavGraph* graph_;
   std::uint32_t limit_;
   std::uint32_t mostNeighbours_ = 0;  // half-portals of one polygon
   std::vector<Reach> reach_;          // per polygon
+  std::vector<ChainReach> chains_;  // per chain; then the two parts of the user's own, between the
+                                    // user and where its even and its odd way begin
+  std::vector<std::uint32_t> touchedChains_;
+  std::uint32_t touchedCount_ = 0;
   navmesh::KeyQueue queue_;
   std::vector<SearchNode> tree_;  // the first count_ are in use
   std::uint32_t count_ = 0;
   FunnelTree funnels_;
-  std::vector<std::uint32_t> improved_;  // half-portals of the node being relaxed
   std::uint32_t relaxed_ = 0;
   bool limitReached_ = false;
+  float completeTo_ = std::numeric_limits<float>::infinity();
+
+  // Of the run at hand.
+  glm::vec2 source_{};
+  float horizon_ = 0.0f;
+  Limit by_ = Limit::kTaut;
+  float latestKey_ = 0.0f;  // of the queue
+  std::uint32_t ownChain_ = navmesh::kNoChain;
+  const std::vector<Corner>* corners_ = nullptr;
+  bool topTaken_ = false;  // the queue's top, the node being relaxed, is replaced already
 };
 
 }  // namespace forewalk::prediction

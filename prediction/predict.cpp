@@ -54,22 +54,6 @@ class Assembly {
     }
   }
 
-  void listChildren() {
-    std::vector<Node>& nodes = out_.nodes;
-    for (std::size_t i = 1; i < nodes.size(); ++i) ++nodes[index(nodes[i].prev)].childCount;
-    std::uint32_t start = 0;
-    for (Node& node : nodes) {
-      node.firstChild = start;
-      start += node.childCount;
-      node.childCount = 0;
-    }
-    out_.children.resize(start);
-    for (std::uint32_t i = 1; i < nodes.size(); ++i) {
-      Node& prev = nodes[index(nodes[i].prev)];
-      out_.children[prev.firstChild + prev.childCount++] = NodeId{i};
-    }
-  }
-
  private:
   Node& addNode(std::uint32_t at, NodeKind kind, glm::vec2 plan, float height, float distance,
                 std::uint32_t corner) {
@@ -227,9 +211,25 @@ class Assembly {
   }
 
   float addPath(glm::vec2 start, glm::vec2 goal) {
+    if (start != goal && isStraight(start, goal)) {
+      out_.pathPoints.push_back(start);
+      out_.pathPoints.push_back(goal);
+      return glm::distance(start, goal);
+    }
     navmesh::pullString(start, goal, corridor_, path_);
     out_.pathPoints.insert(out_.pathPoints.end(), path_.begin(), path_.end());
     return navmesh::lengthOf(path_);
+  }
+
+  /// Whether `corridor_` can be walked straight through.
+  bool isStraight(glm::vec2 start, glm::vec2 goal) const {
+    for (const Portal& portal : corridor_) {
+      if (navmesh::exactTurn(start, goal, portal.left) < 0.0 ||
+          navmesh::exactTurn(start, goal, portal.right) > 0.0) {
+        return false;
+      }
+    }
+    return true;
   }
 
   /// The same through a single portal, which most edges have: straight, or around one of its ends.
@@ -260,35 +260,6 @@ class Assembly {
   std::vector<glm::vec2>& path_;
 };
 
-void clear(PredictionGraph& graph) {
-  graph.flags = kGraphComplete;
-  graph.nodes.clear();
-  graph.children.clear();
-  graph.edges.clear();
-  graph.corners.clear();
-  graph.corridorPolygons.clear();
-  graph.pathPoints.clear();
-  graph.terminals.clear();
-  graph.stats = {};
-}
-
-void sourceAlone(PredictionGraph& graph) {
-  graph.flags = kSourceOffMesh;
-  graph.completeTo = 0.0f;
-  graph.corners.push_back({graph.source.plan, graph.source.height, 0.0f, 0});
-  graph.nodes.push_back({.kind = NodeKind::kSource,
-                         .reason = TerminalReason::kNone,
-                         .branch = false,
-                         .polygon = navmesh::kNoPolygon,
-                         .plan = graph.source.plan,
-                         .height = graph.source.height,
-                         .distance = 0.0f,
-                         .prev = kNoNode,
-                         .corner = 0,
-                         .firstChild = 0,
-                         .childCount = 0});
-}
-
 }  // namespace
 
 Scratch::Scratch(const NavGraph& graph, const PredictionLimits& limits)
@@ -302,9 +273,12 @@ Scratch::Scratch(const NavGraph& graph, const PredictionLimits& limits)
   graph_.nodes.reserve(polygons + 1);
   graph_.children.reserve(polygons);
   graph_.terminals.reserve(polygons);
-  graph_.edges.reserve(2 * polygons);
-  graph_.corridorPolygons.reserve(4 * polygons);
-  graph_.pathPoints.reserve(6 * polygons);
+  // A tree edge a polygon, a loop edge a pair of neighbours; corridors of tree edges share only
+  // their ends.
+  const std::size_t pairs = std::min<std::size_t>(graph.portalCount() / 2, 4 * polygons);
+  graph_.edges.reserve(polygons + pairs);
+  graph_.corridorPolygons.reserve(3 * polygons + 2 * pairs);
+  graph_.pathPoints.reserve(5 * polygons + 3 * pairs);
 }
 
 const PredictionGraph& predict(const NavGraph& navGraph, const navmesh::Location& source,
@@ -328,7 +302,7 @@ const PredictionGraph& predict(const NavGraph& navGraph, const navmesh::Location
   assembly.addSource();
   for (std::uint32_t at = 1; at < tree.size(); ++at) assembly.addTreeNode(at);
   assembly.joinLoops();
-  assembly.listChildren();
+  listChildren(graph);
 
   graph.stats.settled = static_cast<std::uint32_t>(tree.size());
   graph.stats.expanded = static_cast<std::uint32_t>(
@@ -336,7 +310,7 @@ const PredictionGraph& predict(const NavGraph& navGraph, const navmesh::Location
   graph.stats.relaxed = scratch.search_.relaxed();
   if (scratch.search_.limitReached()) {
     graph.flags |= kPolygonLimit;
-    graph.completeTo = std::min(graph.horizon, tree.back().key);
+    graph.completeTo = std::min(graph.horizon, scratch.search_.completeTo());
   }
   return graph;
 }
