@@ -12,7 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "navmesh/file_text.h"
 #include "rdw/json_text.h"
+#include "rdw/tracked_space_file.h"
 
 namespace forewalk::rdw {
 namespace {
@@ -64,13 +66,6 @@ std::string suggestion(std::string_view wrong, std::span<const std::string_view>
     return fmt::format("did you mean \"{}\"?", *nearest);
   }
   return fmt::format("known are: {}.", fmt::join(known, ", "));
-}
-
-/// What a message may repeat of a file: short, printable ASCII.
-std::string excerpt(std::string_view text) {
-  std::string shown;
-  for (const char c : text.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
-  return "\"" + shown + (text.size() > 40 ? "...\"" : "\"");
 }
 
 /// Reads the fields of one object and knows which have been asked for.
@@ -148,7 +143,7 @@ class Fields {
     if (found == words.end()) {
       return problem_.say(ErrorCode::kDataDamaged,
                           fmt::format("{}{} is {}, which is not known; {}", path_, name,
-                                      excerpt(read), suggestion(read, words)));
+                                      inQuotes(read), suggestion(read, words)));
     }
     value = static_cast<std::size_t>(found - words.begin());
   }
@@ -189,7 +184,7 @@ class Fields {
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
       problem_.say(
           ErrorCode::kDataDamaged,
-          fmt::format("{} is not known {}; {}", excerpt(path_ + key),
+          fmt::format("{} is not known {}; {}", inQuotes(path_ + key),
                       path_.empty() ? "in a simulation" : "here", suggestion(key, known_)));
     }
   }
@@ -251,10 +246,7 @@ void readSpace(Fields& file, SimulationFile& into) {
   for (const std::string_view name : {"format", "rectangle", "circle", "polygon", "holes"})
     fields.find(name);
   fields.finish();
-  Json space = *field;
-  space.emplace("format", "forewalk.space/1");
-  // Text that is not UTF-8 cannot have passed the parser, so the dump cannot fail.
-  const tl::expected<TrackedSpace, Error> made = TrackedSpace::fromJson(space.dump());
+  const tl::expected<TrackedSpace, Error> made = spaceFromJson(*field);
   if (made) {
     into.simulation.session.space = *made;
   } else {
@@ -423,7 +415,7 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   } else if (format->get_ref<const std::string&>() != kFormat) {
     problem.say(ErrorCode::kFormatUnsupported,
                 fmt::format("\"format\" is {}; this reads \"{}\".",
-                            excerpt(format->get_ref<const std::string&>()), kFormat));
+                            inQuotes(format->get_ref<const std::string&>()), kFormat));
   }
   SimulationConfig& simulation = file.simulation;
   SessionSettings& session = simulation.session;

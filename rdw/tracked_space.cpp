@@ -4,10 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <locale>
-#include <nlohmann/json.hpp>
 #include <queue>
-#include <sstream>
 #include <string>
 
 #include "rdw/pose.h"
@@ -20,9 +17,8 @@ using Ring = std::vector<glm::dvec2>;
 
 constexpr double kFurthestCorner = 10000.0;  // metres
 constexpr double kSmallestArea = 0.01;       // m^2
-constexpr std::size_t kMostCorners = 4096;
-constexpr double kOnBorder = 1e-9;       // metres
-constexpr double kPolePrecision = 1e-3;  // metres
+constexpr double kOnBorder = 1e-9;           // metres
+constexpr double kPolePrecision = 1e-3;      // metres
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 double dot(glm::dvec2 a, glm::dvec2 b) { return a.x * b.x + a.y * b.y; }
@@ -178,85 +174,6 @@ glm::dvec2 centroidOf(std::span<const glm::dvec2> ring) {
     sum += cross(a, b) * (a + b);
   }
   return ring[0] + sum / (3.0 * twice);
-}
-
-// ---- JSON
-// -----------------------------------------------------------------------------------------
-
-using Json = nlohmann::json;
-
-/// Only finds where malformed text stops making sense; nlohmann says so only by exception
-/// otherwise.
-struct FirstFault {
-  std::size_t position = 0;
-
-  bool null() { return true; }
-  bool boolean(bool) { return true; }
-  bool number_integer(Json::number_integer_t) { return true; }
-  bool number_unsigned(Json::number_unsigned_t) { return true; }
-  bool number_float(Json::number_float_t, const Json::string_t&) { return true; }
-  bool string(Json::string_t&) { return true; }
-  bool binary(Json::binary_t&) { return true; }
-  bool start_object(std::size_t) { return true; }
-  bool key(Json::string_t&) { return true; }
-  bool end_object() { return true; }
-  bool start_array(std::size_t) { return true; }
-  bool end_array() { return true; }
-  bool parse_error(std::size_t at, const std::string&, const Json::exception&) {
-    position = at;
-    return false;
-  }
-};
-
-std::size_t lineAt(std::string_view text, std::size_t position) {
-  return 1 +
-         static_cast<std::size_t>(std::count(
-             text.begin(),
-             text.begin() + static_cast<std::ptrdiff_t>(std::min(position, text.size())), '\n'));
-}
-
-tl::unexpected<Error> wrongShape(std::string_view field, std::string_view shape) {
-  return refused(ErrorCode::kDataDamaged,
-                 fmt::format("tracked space: \"{}\" must be {}, in metres.", field, shape));
-}
-
-bool readPair(const Json& json, glm::dvec2& pair) {
-  if (!json.is_array() || json.size() != 2 || !json[0].is_number() || !json[1].is_number())
-    return false;
-  pair = {json[0].get<double>(), json[1].get<double>()};
-  return true;
-}
-
-tl::expected<Ring, Error> readRing(const Json& json, std::string_view field) {
-  if (!json.is_array()) return wrongShape(field, "a list of corners [x, z]");
-  if (json.size() > kMostCorners) {
-    return refused(ErrorCode::kTooLarge,
-                   fmt::format("tracked space: \"{}\" has {} corners, {} are the limit.", field,
-                               json.size(), kMostCorners));
-  }
-  Ring ring;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    glm::dvec2 xz;
-    if (!readPair(json[i], xz)) {
-      return refused(
-          ErrorCode::kDataDamaged,
-          fmt::format("tracked space: corner {} of \"{}\" must be two numbers [x, z], in metres.",
-                      i, field));
-    }
-    ring.push_back({xz.x, -xz.y});
-  }
-  return ring;
-}
-
-/// What a message may repeat of a file: printable ASCII, not too much of it.
-std::string printable(std::string_view text) {
-  std::string safe;
-  for (char c : text.substr(0, 40)) safe += c >= ' ' && c <= '~' ? c : '?';
-  return safe;
-}
-
-bool blank(std::string_view line) {
-  return line.find_first_not_of(" \t\r\v\f") == std::string_view::npos;
 }
 
 }  // namespace
@@ -441,116 +358,6 @@ double TrackedSpace::distanceAlong(glm::dvec2 point, glm::dvec2 direction) const
     }
   }
   return std::isfinite(nearest) ? nearest : 0.0;
-}
-
-tl::expected<TrackedSpace, Error> TrackedSpace::fromJson(std::string_view text) {
-  FirstFault fault;
-  if (!Json::sax_parse(text.begin(), text.end(), &fault)) {
-    return refused(ErrorCode::kDataDamaged,
-                   fmt::format("tracked space, line {}: not valid JSON at byte {}.",
-                               lineAt(text, fault.position), fault.position));
-  }
-  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
-  if (!json.is_object()) {
-    return refused(ErrorCode::kFormatUnknown,
-                   "tracked space: expected an object {\"format\": \"forewalk.space/1\", ...}.");
-  }
-  const auto format = json.find("format");
-  if (format == json.end() || !format->is_string() || *format != "forewalk.space/1") {
-    return refused(ErrorCode::kFormatUnsupported,
-                   fmt::format("tracked space: its \"format\" is {}, \"forewalk.space/1\" is read.",
-                               format != json.end() && format->is_string()
-                                   ? "\"" + printable(format->get_ref<const std::string&>()) + "\""
-                                   : std::string("missing")));
-  }
-  const auto rectangleField = json.find("rectangle");
-  const auto circleField = json.find("circle");
-  const auto polygonField = json.find("polygon");
-  const int shapes =
-      (rectangleField != json.end()) + (circleField != json.end()) + (polygonField != json.end());
-  if (shapes != 1) {
-    return refused(
-        ErrorCode::kDataDamaged,
-        fmt::format(
-            "tracked space: names {} shapes, give one of \"rectangle\", \"circle\", \"polygon\".",
-            shapes));
-  }
-  const auto holesField = json.find("holes");
-  if (holesField != json.end() && polygonField == json.end()) {
-    return refused(ErrorCode::kDataDamaged,
-                   "tracked space: \"holes\" needs \"polygon\": give the border as corners.");
-  }
-  if (rectangleField != json.end()) {
-    glm::dvec2 sides;
-    if (!readPair(*rectangleField, sides))
-      return wrongShape("rectangle", "two numbers [width, depth]");
-    return rectangle(sides.x, sides.y);
-  }
-  if (circleField != json.end()) {
-    if (!circleField->is_number()) return wrongShape("circle", "a number, its radius");
-    return circle(circleField->get<double>());
-  }
-  auto border = readRing(*polygonField, "polygon");
-  if (!border) return tl::unexpected(border.error());
-  std::vector<Ring> holes;
-  if (holesField != json.end()) {
-    if (!holesField->is_array() || holesField->size() > kMostCorners / 3) {
-      return wrongShape("holes", fmt::format("a list of at most {} rings", kMostCorners / 3));
-    }
-    for (const Json& hole : *holesField) {
-      auto ring = readRing(hole, "holes");
-      if (!ring) return tl::unexpected(ring.error());
-      holes.push_back(std::move(*ring));
-    }
-  }
-  return polygon(*border, holes);
-}
-
-tl::expected<TrackedSpace, Error> TrackedSpace::fromOpenRdw(std::string_view text) {
-  std::vector<Ring> rings(1);
-  std::size_t number = 0;
-  std::size_t corners = 0;
-  while (!text.empty()) {
-    ++number;
-    const std::size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (number == 1 && line.substr(0, 3) == "\xEF\xBB\xBF")
-      line.remove_prefix(3);  // byte order mark
-    if (blank(line)) {
-      if (!rings.back().empty()) rings.emplace_back();
-      continue;
-    }
-    std::istringstream words{std::string(line)};
-    words.imbue(std::locale::classic());
-    glm::dvec2 corner;
-    char comma = 0;
-    char rest = 0;
-    if (!(words >> corner.x >> comma >> corner.y) || comma != ',' || words >> rest) {
-      return refused(
-          ErrorCode::kDataDamaged,
-          fmt::format("tracked space, line {}: \"{}\" is not a corner, write x,y in metres.",
-                      number, printable(line)));
-    }
-    if (++corners > kMostCorners) {
-      return refused(
-          ErrorCode::kTooLarge,
-          fmt::format("tracked space, line {}: more than {} corners. Simplify its border.", number,
-                      kMostCorners));
-    }
-    rings.back().push_back(corner);
-  }
-  if (rings.back().empty()) rings.pop_back();
-  if (rings.empty()) {
-    return refused(ErrorCode::kDataDamaged,
-                   "tracked space: no corner in the text, write a line x,y for each.");
-  }
-  return polygon(rings[0], std::span<const Ring>(rings).subspan(1));
-}
-
-tl::expected<TrackedSpace, Error> TrackedSpace::read(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  return first != std::string_view::npos && text[first] == '{' ? fromJson(text) : fromOpenRdw(text);
 }
 
 }  // namespace forewalk::rdw

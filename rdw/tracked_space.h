@@ -24,6 +24,9 @@ class TrackedSpace {
   /// approximation.
   static constexpr int kCircleCorners = 96;
 
+  /// In all rings together; checking a polygon is quadratic in them.
+  static constexpr std::size_t kMostCorners = 4096;
+
   /// 6 m x 6 m about the origin, so that a default is a usable room.
   TrackedSpace();
 

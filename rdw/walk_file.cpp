@@ -13,6 +13,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "navmesh/file_text.h"
+
 namespace forewalk::rdw {
 namespace {
 
@@ -22,30 +24,6 @@ constexpr double kJump = 0.5;              // metres; shorter steps are jitter, 
 constexpr double kFastest = 12.0;          // m/s; nobody runs faster
 constexpr double kHeadingWindow = 0.25;    // seconds to either side
 constexpr double kHeadingDistance = 0.05;  // metres walked within the window that count as walking
-
-/// Hands out the lines of a text without their ends (LF or CRLF).
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {
-    if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);  // byte order mark
-  }
-
-  bool next(std::string_view& line) {
-    if (rest_.empty()) return false;
-    ++number_;
-    const std::size_t end = rest_.find('\n');
-    line = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    return true;
-  }
-
-  std::size_t number() const { return number_; }  // of the last line, from 1
-
- private:
-  std::string_view rest_;
-  std::size_t number_ = 0;
-};
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t");
@@ -61,13 +39,6 @@ void splitFields(std::string_view line, std::vector<std::string_view>& fields) {
     if (comma == std::string_view::npos) return;
     line.remove_prefix(comma + 1);
   }
-}
-
-/// What a message may repeat of a file: short, printable ASCII.
-std::string excerpt(std::string_view text) {
-  std::string shown;
-  for (const char c : text.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
-  return "'" + shown + (text.size() > 40 ? "...'" : "'");
 }
 
 /// Reads decimal numbers whatever the program's locale is.
@@ -130,7 +101,7 @@ double turnBetween(double from, double to) {  // the shorter way, in [-pi, pi]
 
 tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> bytes,
                                                   const std::string& name) {
-  Lines lines({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  Lines lines(withoutByteOrderMark({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
   std::string_view line;
   std::vector<std::string_view> fields;
   do {
@@ -164,7 +135,7 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
       const std::optional<double> value = numbers.read(field);
       if (!value) {
         return damaged(fmt::format("{}:{}: {} is {}, not a finite number.", name, lines.number(),
-                                   kColumnNames[column], excerpt(field)));
+                                   kColumnNames[column], inQuotes(field)));
       }
       if (column != kT && std::abs(*value) > kFarthest) {
         return damaged(fmt::format("{}:{}: {} is {} m, farther out than {} m; are these metres?",
@@ -191,7 +162,7 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
                         "by time and remove "
                         "repeated ones.",
                         name, lines.number(), sample.seconds, before.seconds,
-                        lastLine[found->second], excerpt(walker)));
+                        lastLine[found->second], inQuotes(walker)));
       }
       if (sample.seconds - walk.samples.front().seconds > kLongest) {
         return damaged(
@@ -199,7 +170,7 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
                         "most: are these "
                         "seconds?",
                         name, lines.number(), sample.seconds,
-                        sample.seconds - walk.samples.front().seconds, excerpt(walker), kLongest));
+                        sample.seconds - walk.samples.front().seconds, inQuotes(walker), kLongest));
       }
       const double moved = glm::distance(sample.plan, before.plan);
       const double elapsed = sample.seconds - before.seconds;
@@ -207,7 +178,7 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
         return damaged(
             fmt::format("{}:{}: walker {} moves {:.3g} m in {:.3g} s, faster than {} m/s; cut the "
                         "recording there.",
-                        name, lines.number(), excerpt(walker), moved, elapsed, kFastest));
+                        name, lines.number(), inQuotes(walker), moved, elapsed, kFastest));
       }
     }
     walk.samples.push_back(sample);
@@ -221,7 +192,7 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
   for (std::size_t i = 0; i < walks.size(); ++i) {
     if (walks[i].samples.size() < 2) {
       return damaged(fmt::format("{}:{}: walker {} has one row only; a walk needs two.", name,
-                                 lastLine[i], excerpt(walks[i].walker)));
+                                 lastLine[i], inQuotes(walks[i].walker)));
     }
   }
   return walks;

@@ -175,7 +175,7 @@ TEST(TrackedSpaceJson, ReadsTheThreeShapes) {
 
 TEST(TrackedSpaceJson, SaysWhatIsWrong) {
   expectRefused(TrackedSpace::fromJson("{\n\"format\": \"forewalk.space/1\",\n\"circle\": }"),
-                "line 3");
+                "tracked space:3: not valid JSON");
   expectRefused(TrackedSpace::fromJson("[]"), "forewalk.space/1");
   expectRefused(TrackedSpace::fromJson("{}"), "missing");
   expectRefused(TrackedSpace::fromJson(R"({"format": "forewalk.space/9"})"), "forewalk.space/9");
@@ -192,6 +192,20 @@ TEST(TrackedSpaceJson, SaysWhatIsWrong) {
   expectRefused(with(R"("polygon": [[0, 0], [1, 0]])"), "2 distinct corners");
 }
 
+TEST(TrackedSpaceJson, RefusesDeepNestingInOneShortSentence) {
+  const std::string deep = std::string(100000, '[') + std::string(100000, ']');
+  expectRefused(TrackedSpace::fromJson(R"({"format": )" + deep + "}"), "nested more than 32 deep");
+}
+
+TEST(TrackedSpaceText, MayBeginWithAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const auto json = TrackedSpace::read(mark + R"({"format": "forewalk.space/1", "circle": 3})");
+  ASSERT_TRUE(json) << json.error().message;
+  const auto text = TrackedSpace::read(mark + "1,1\n-1,1\n-1,-1\n1,-1\n");
+  ASSERT_TRUE(text) << text.error().message;
+  EXPECT_EQ(text->area(), 4.0);
+}
+
 TEST(TrackedSpaceOpenRdw, ReadsTheBorderAndItsObstacles) {
   const auto room = TrackedSpace::read(
       "5,5\n-5,5\r\n-5,-5\n5,-5\n\n1,1\n1,2\n2,2\n2,1\n\n\n-1,-1\n-2,-1\n-2,-2\n\n");
@@ -204,9 +218,9 @@ TEST(TrackedSpaceOpenRdw, ReadsTheBorderAndItsObstacles) {
 TEST(TrackedSpaceOpenRdw, NamesTheLine) {
   expectRefused(TrackedSpace::fromOpenRdw(""), "no corner");
   expectRefused(TrackedSpace::fromOpenRdw("\n\n  \n"), "no corner");
-  expectRefused(TrackedSpace::fromOpenRdw("0,0\n1;0\n1,1"), "line 2: \"1;0\"");
-  expectRefused(TrackedSpace::fromOpenRdw("0,0\n1,0\n1,nan"), "line 3");
-  expectRefused(TrackedSpace::fromOpenRdw("0,0\n1,0 7\n1,1"), "line 2");
+  expectRefused(TrackedSpace::fromOpenRdw("0,0\n1;0\n1,1"), "tracked space:2: \"1;0\"");
+  expectRefused(TrackedSpace::fromOpenRdw("0,0\n1,0\n1,nan"), ":3: ");
+  expectRefused(TrackedSpace::fromOpenRdw("0,0\n1,0 7\n1,1"), ":2: ");
   expectRefused(TrackedSpace::fromOpenRdw("0,0\n1,0\n\n5,5\n6,5\n6,6"), "2 distinct corners");
 }
 

@@ -53,10 +53,10 @@ TEST(ParseWalks, NamesLineAndValueOfEveryBadNumber) {
        {"nan", "NaN", "inf", "-inf", "1e999", "", "-", "1.2.3", "1x", "0x10", "1 2"}) {
     const std::string text = std::string("x,z,t\n0,0,0\n0,0,") + bad + "\n";
     EXPECT_THAT(refusal(text),
-                AllOf(HasSubstr("w.csv:3: t is '"), HasSubstr("not a finite number")))
+                AllOf(HasSubstr("w.csv:3: t is \""), HasSubstr("not a finite number")))
         << bad;
   }
-  EXPECT_THAT(refusal("t,x,z\n0,0,0\n1,0,nan\n"), HasSubstr("w.csv:3: z is 'nan'"));
+  EXPECT_THAT(refusal("t,x,z\n0,0,0\n1,0,nan\n"), HasSubstr("w.csv:3: z is \"nan\""));
   EXPECT_THAT(refusal("t,x,z\n0,0,0\n1,2e6,0\n"), HasSubstr("w.csv:3: x is 2000000 m"));
 }
 
@@ -77,7 +77,7 @@ TEST(ParseWalks, RefusesATeleportAndALoneRow) {
   EXPECT_THAT(refusal("t,x,z\n0,0,0\n0.1,3,0\n"), HasSubstr("moves 3 m in 0.1 s"));
   EXPECT_THAT(refusal("t,x,z\n0,0,0\n0.001,0.02,0\n"), "accepted");  // jitter of the tracking
   EXPECT_THAT(refusal("walker_id,t,x,z\na,0,0,0\nb,0,0,0\na,1,0,0\n"),
-              HasSubstr("w.csv:3: walker 'b' has one row only"));
+              HasSubstr("w.csv:3: walker \"b\" has one row only"));
 }
 
 TEST(ParseWalks, KeepsMessagesOnOneLineOfPlainText) {
