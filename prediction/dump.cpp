@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "navmesh/funnel.h"
 #include "navmesh/plan.h"
 #include "prediction/plan_drawing.h"
 #include "prediction/svg.h"
@@ -25,8 +23,6 @@ using navmesh::NavGraph;
 using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool,
                                   std::int64_t, std::uint64_t, float>;
 
-constexpr float kLiftTolerance = 0.02f;  // how far a dumped path may leave the ground, metres
-
 std::string_view nameOf(NodeKind kind) {
   switch (kind) {
     case NodeKind::kSource:
@@ -35,6 +31,8 @@ std::string_view nameOf(NodeKind kind) {
       return "branch";
     case NodeKind::kTerminal:
       return "terminal";
+    case NodeKind::kJoin:
+      return "join";
   }
   return "";
 }
@@ -47,6 +45,8 @@ std::string_view nameOf(TerminalReason reason) {
       return "horizon";
     case TerminalReason::kDeadEnd:
       return "dead_end";
+    case TerminalReason::kMeeting:
+      return "meeting";
   }
   return "";
 }
@@ -55,50 +55,10 @@ std::string_view nameOf(EdgeKind kind) { return kind == EdgeKind::kTree ? "tree"
 
 Json pointOf(glm::vec3 point) { return Json::array({point.x, point.y, point.z}); }
 
-float squaredDistance(glm::vec2 point, glm::vec2 a, glm::vec2 b) {
-  const glm::vec2 along = b - a;
-  const float squared = glm::dot(along, along);
-  const float t =
-      squared > 0.0f ? glm::clamp(glm::dot(point - a, along) / squared, 0.0f, 1.0f) : 0.0f;
-  const glm::vec2 off = point - (a + t * along);
-  return glm::dot(off, off);
-}
-
-// The half-portals from polygon to polygon. Two polygons can be joined by several portals; the path
-// goes through the one whose middle it comes nearest to.
-std::vector<std::uint32_t> portalsAlong(const NavGraph& navGraph,
-                                        std::span<const PolygonId> polygons,
-                                        std::span<const glm::vec2> path) {
-  std::vector<std::uint32_t> portals;
-  for (std::size_t i = 0; i + 1 < polygons.size(); ++i) {
-    const std::uint32_t p = navmesh::index(polygons[i]);
-    std::uint32_t best = std::numeric_limits<std::uint32_t>::max();
-    float nearest = std::numeric_limits<float>::infinity();
-    for (std::uint32_t h = navGraph.portalStart[p]; h < navGraph.portalStart[p + 1]; ++h) {
-      if (navGraph.portalTo[h] != polygons[i + 1]) continue;
-      float distance = std::numeric_limits<float>::max();
-      for (std::size_t k = 0; k + 1 < path.size(); ++k) {
-        distance =
-            std::min(distance, squaredDistance(navGraph.portalMidpoint[h], path[k], path[k + 1]));
-      }
-      if (distance < nearest) {
-        nearest = distance;
-        best = h;
-      }
-    }
-    if (best != std::numeric_limits<std::uint32_t>::max()) portals.push_back(best);
-  }
-  return portals;
-}
-
 Json pathOf(const NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge) {
-  const auto path = graph.pathOf(edge);
-  const auto polygons = graph.corridorOf(edge);
+  std::vector<std::uint32_t> portals;
   std::vector<glm::vec3> lifted;
-  if (!polygons.empty() && !path.empty()) {
-    navmesh::liftPath(navGraph, polygons.front(), portalsAlong(navGraph, polygons, path), path,
-                      kLiftTolerance, lifted);
-  }
+  liftEdge(navGraph, graph, edge, portals, lifted);
   Json points = Json::array();
   for (const glm::vec3 point : lifted) points.push_back(pointOf(point));
   return points;
@@ -108,12 +68,20 @@ Json nodeToJson(const PredictionGraph& graph, std::size_t i) {
   const Node& node = graph.nodes[i];
   Json json = {{"id", i}, {"kind", nameOf(node.kind)}};
   if (node.reason != TerminalReason::kNone) json["reason"] = nameOf(node.reason);
-  if (node.kind == NodeKind::kTerminal && node.branch) json["branch"] = true;
+  if (node.kind != NodeKind::kBranch && node.branch) json["branch"] = true;
   json["polygon"] =
       node.polygon == navmesh::kNoPolygon ? Json() : Json(navmesh::index(node.polygon));
   json["position"] = pointOf(node.position());
   json["distance"] = node.distance;
   json["prev"] = node.prev == kNoNode ? Json() : Json(index(node.prev));
+  if (graph.method == Method::kFront && node.kind == NodeKind::kTerminal) {
+    const auto found = std::lower_bound(graph.terminals.begin(), graph.terminals.end(),
+                                        NodeId{static_cast<std::uint32_t>(i)});
+    const Front& front = graph.fronts[static_cast<std::size_t>(found - graph.terminals.begin())];
+    json["front"] = {{"from", pointOf(navmesh::toSpace(front.from, node.height))},
+                     {"to", pointOf(navmesh::toSpace(front.to, node.height))},
+                     {"length", front.length}};
+  }
   return json;
 }
 
@@ -121,9 +89,11 @@ Json edgeToJson(const NavGraph& navGraph, const PredictionGraph& graph, const Ed
   Json polygons = Json::array();
   for (const PolygonId polygon : graph.corridorOf(edge))
     polygons.push_back(navmesh::index(polygon));
-  return {{"from", index(edge.from)},  {"to", index(edge.to)},
-          {"kind", nameOf(edge.kind)}, {"length", edge.length},
-          {"polygons", polygons},      {"path", pathOf(navGraph, graph, edge)}};
+  Json json = {{"from", index(edge.from)},  {"to", index(edge.to)},
+               {"kind", nameOf(edge.kind)}, {"length", edge.length},
+               {"polygons", polygons},      {"path", pathOf(navGraph, graph, edge)}};
+  if (graph.method == Method::kFront) json["width"] = edge.width;
+  return json;
 }
 
 // A list with one element a line: readable, and a `diff` of two dumps names the nodes that differ.
@@ -144,15 +114,19 @@ struct Look {
 };
 
 Look lookOf(const Node& node) {
-  constexpr std::string_view kGreen = "#1f9d55", kRed = "#d6353a", kBlue = "#123a7a";
+  constexpr std::string_view kGreen = "#1f9d55", kRed = "#d6353a", kBlue = "#123a7a",
+                             kViolet = "#8a5bb8";
   switch (node.kind) {
     case NodeKind::kSource:
       return {kBlue, kBlue};
     case NodeKind::kBranch:
       return {kRed, kRed};
+    case NodeKind::kJoin:
+      return {kViolet, kViolet};
     case NodeKind::kTerminal:
       break;
   }
+  if (node.reason == TerminalReason::kMeeting) return {"#ffffff", kViolet};
   if (node.reason == TerminalReason::kDeadEnd) return {"#ffffff", kGreen};
   return {kGreen, kGreen};
 }
@@ -168,6 +142,8 @@ std::string toJson(const NavGraph& navGraph, const PredictionGraph& graph, doubl
                       {"relaxed", graph.stats.relaxed},
                       {"microseconds", static_cast<float>(microseconds)}};
   std::string text = "{\n  \"format\": \"forewalk.prediction/1\",\n";
+  fmt::format_to(std::back_inserter(text), "  \"method\": \"{}\",\n",
+                 graph.method == Method::kFront ? "front" : "polygon");
   fmt::format_to(std::back_inserter(text), "  \"horizon\": {},\n  \"complete_to\": {},\n",
                  Json(graph.horizon).dump(), Json(graph.completeTo).dump());
   fmt::format_to(std::back_inserter(text), "  \"source\": {},\n", source.dump());
@@ -377,12 +353,15 @@ constexpr std::string_view kTreeStyle = "fill=\"none\" stroke=\"#2f5fb3\" stroke
 constexpr std::string_view kLoopStyle =
     "fill=\"none\" stroke=\"#8a5bb8\" stroke-width=\"2\" stroke-dasharray=\"2 5\"";
 
+constexpr std::string_view kFrontStyle =
+    "stroke=\"#1f9d55\" stroke-opacity=\"0.45\" stroke-width=\"5\" stroke-linecap=\"round\"";
+
 void drawNode(SvgDrawing& drawing, glm::dvec2 at, const Node& node) {
   const Look look = lookOf(node);
-  if (node.kind == NodeKind::kBranch) {
+  if (node.kind == NodeKind::kBranch || node.kind == NodeKind::kJoin) {
     drawing.circle(at, 4.6,
                    fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.4\"", look.fill));
-  } else if (node.reason == TerminalReason::kDeadEnd) {
+  } else if (node.reason != TerminalReason::kHorizon) {
     drawing.circle(at, 4.8,
                    fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"2.6\"", look.border));
   } else {
@@ -403,9 +382,10 @@ std::string counted(std::size_t count, std::string_view one, std::string_view ma
 }
 
 std::string describe(const PredictionGraph& graph) {
-  std::size_t branches = 0, horizon = 0, deadEnds = 0, loops = 0;
+  std::size_t branches = 0, horizon = 0, deadEnds = 0, joins = 0, loops = 0;
   for (const Node& node : graph.nodes) {
     branches += node.branch;
+    joins += node.kind == NodeKind::kJoin;
     horizon += node.reason == TerminalReason::kHorizon;
     deadEnds += node.reason == TerminalReason::kDeadEnd;
   }
@@ -414,8 +394,9 @@ std::string describe(const PredictionGraph& graph) {
       "Horizon {:.4g} m from ({:.4g}, {:.4g}, {:.4g}): {}, {} ({} at the horizon, {}), {}",
       graph.horizon, graph.source.plan.x, graph.source.height, -graph.source.plan.y,
       counted(branches, "branch node", "branch nodes"),
-      counted(horizon + deadEnds, "terminal", "terminals"), horizon,
+      counted(graph.terminals.size(), "terminal", "terminals"), horizon,
       counted(deadEnds, "dead end", "dead ends"), counted(loops, "loop edge", "loop edges"));
+  if (joins > 0) text += fmt::format(", {}", counted(joins, "join", "joins"));
   if (graph.flags & kPolygonLimit) {
     text += fmt::format("; polygon limit reached, complete to {:.4g} m only", graph.completeTo);
   }
@@ -464,7 +445,12 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
       }
       drawing.endGroup();
     }
-    for (const NodeKind kind : {NodeKind::kBranch, NodeKind::kTerminal}) {
+    for (std::size_t i = 0; i < graph.fronts.size(); ++i) {
+      const Front& front = graph.fronts[i];
+      if (nearSource(graph, graph.node(graph.terminals[i]).height) != near) continue;
+      drawing.line(page.at(front.from), page.at(front.to), kFrontStyle);
+    }
+    for (const NodeKind kind : {NodeKind::kBranch, NodeKind::kJoin, NodeKind::kTerminal}) {
       for (const Node& node : graph.nodes) {
         if (node.kind == kind && nearSource(graph, node.height) == near) {
           drawNode(drawing, page.at(node.plan), node);
@@ -501,6 +487,10 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
   drawing.circle(legendEntry(drawing, page, cursor, "source (the user)"), 6.5, "fill=\"#123a7a\"");
   drawNode(drawing, legendEntry(drawing, page, cursor, "branch node"),
            exampleNode(NodeKind::kBranch, TerminalReason::kNone));
+  if (graph.method == Method::kFront) {
+    drawNode(drawing, legendEntry(drawing, page, cursor, "join"),
+             exampleNode(NodeKind::kJoin, TerminalReason::kNone));
+  }
   drawNode(drawing,
            legendEntry(drawing, page, cursor, fmt::format("horizon, {:.4g} m", graph.horizon)),
            exampleNode(NodeKind::kTerminal, TerminalReason::kHorizon));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "navmesh/funnel.h"
 #include "navmesh/plan.h"
 
 namespace forewalk::prediction {
@@ -36,6 +37,26 @@ void forEachPieceBackwards(const PredictionGraph& graph, const Node& node, Visit
   }
 }
 
+constexpr float kLiftTolerance = 0.02f;  // how far a lifted path may leave the ground, metres
+
+/// The half-portal from `from` to its neighbour `to`. Where several join the two they lie on one
+/// line, for both polygons are convex; the longest tells best which line that is.
+std::uint32_t portalBetween(const navmesh::NavGraph& navGraph, PolygonId from, PolygonId to) {
+  const std::uint32_t begin = navGraph.portalStart[navmesh::index(from)];
+  const std::uint32_t end = navGraph.portalStart[navmesh::index(from) + 1];
+  std::uint32_t best = begin;
+  float longest = -1.0f;
+  for (std::uint32_t h = begin; h < end; ++h) {
+    if (navGraph.portalTo[h] != to) continue;
+    const float length = glm::distance(navGraph.portals[h].left, navGraph.portals[h].right);
+    if (length > longest) {
+      longest = length;
+      best = h;
+    }
+  }
+  return best;
+}
+
 std::uint64_t mix(std::uint64_t hash, std::uint64_t value) {
   // FNV-1a over 8 bytes at once, then a multiply-shift to spread the high bits.
   hash = (hash ^ value) * 0x100000001b3ull;
@@ -49,6 +70,52 @@ std::uint64_t bitsOf(float value) {
 }
 
 }  // namespace
+
+void clear(PredictionGraph& graph) {
+  graph.flags = kGraphComplete;
+  graph.nodes.clear();
+  graph.children.clear();
+  graph.edges.clear();
+  graph.corners.clear();
+  graph.corridorPolygons.clear();
+  graph.pathPoints.clear();
+  graph.terminals.clear();
+  graph.fronts.clear();
+  graph.stats = {};
+}
+
+void sourceAlone(PredictionGraph& graph) {
+  graph.flags = kSourceOffMesh;
+  graph.completeTo = 0.0f;
+  graph.corners.push_back({graph.source.plan, graph.source.height, 0.0f, 0});
+  graph.nodes.push_back({.kind = NodeKind::kSource,
+                         .reason = TerminalReason::kNone,
+                         .branch = false,
+                         .polygon = navmesh::kNoPolygon,
+                         .plan = graph.source.plan,
+                         .height = graph.source.height,
+                         .distance = 0.0f,
+                         .prev = kNoNode,
+                         .corner = 0,
+                         .firstChild = 0,
+                         .childCount = 0});
+}
+
+void listChildren(PredictionGraph& graph) {
+  std::vector<Node>& nodes = graph.nodes;
+  for (std::size_t i = 1; i < nodes.size(); ++i) ++nodes[index(nodes[i].prev)].childCount;
+  std::uint32_t start = 0;
+  for (Node& node : nodes) {
+    node.firstChild = start;
+    start += node.childCount;
+    node.childCount = 0;
+  }
+  graph.children.resize(start);
+  for (std::uint32_t i = 1; i < nodes.size(); ++i) {
+    Node& prev = nodes[index(nodes[i].prev)];
+    graph.children[prev.firstChild + prev.childCount++] = NodeId{i};
+  }
+}
 
 WayPoint pointAlong(const PredictionGraph& graph, NodeId id, float s) {
   const Node& node = graph.node(id);
@@ -105,6 +172,36 @@ void wayTo(const PredictionGraph& graph, NodeId id, std::vector<glm::vec3>& way)
   std::reverse(way.begin(), way.end());
 }
 
+/// Without a corridor: straight in height, too, from node to node.
+static void liftBetweenNodes(const PredictionGraph& graph, const Edge& edge,
+                             std::vector<glm::vec3>& lifted) {
+  const float from = graph.node(edge.from).height;
+  const float to = graph.node(edge.to).height;
+  const std::span<const glm::vec2> path = graph.pathOf(edge);
+  const float length = navmesh::lengthOf(path);
+  float walked = 0.0f;
+  lifted.clear();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (i > 0) walked += glm::distance(path[i - 1], path[i]);
+    const float share = length > 0.0f ? walked / length : 0.0f;
+    lifted.push_back(navmesh::toSpace(path[i], glm::mix(from, to, share)));
+  }
+}
+
+void liftEdge(const navmesh::NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge,
+              std::vector<std::uint32_t>& portals, std::vector<glm::vec3>& lifted) {
+  const std::span<const PolygonId> polygons = graph.corridorOf(edge);
+  portals.clear();
+  if (polygons.empty()) {
+    liftBetweenNodes(graph, edge, lifted);
+    return;
+  }
+  for (std::size_t i = 0; i + 1 < polygons.size(); ++i)
+    portals.push_back(portalBetween(navGraph, polygons[i], polygons[i + 1]));
+  navmesh::liftPath(navGraph, polygons.front(), portals, graph.pathOf(edge), kLiftTolerance,
+                    lifted);
+}
+
 std::uint64_t hashOf(const PredictionGraph& graph) {
   std::uint64_t hash = 0xcbf29ce484222325ull;
   const auto add = [&](std::uint64_t value) { hash = mix(hash, value); };
@@ -133,6 +230,14 @@ std::uint64_t hashOf(const PredictionGraph& graph) {
       addFloat(point.x);
       addFloat(point.y);
     }
+    if (!graph.fronts.empty()) addFloat(edge.width);
+  }
+  for (const Front& front : graph.fronts) {
+    for (const glm::vec2 end : {front.from, front.to}) {
+      addFloat(end.x);
+      addFloat(end.y);
+    }
+    addFloat(front.length);
   }
   return hash;
 }

@@ -24,7 +24,13 @@ enum class NodeId : std::uint32_t {};
 inline constexpr NodeId kNoNode{0xffffffffu};
 constexpr std::uint32_t index(NodeId id) { return static_cast<std::uint32_t>(id); }
 
-enum class NodeKind : std::uint8_t { kSource, kBranch, kTerminal };
+enum class NodeKind : std::uint8_t {
+  kSource,
+  kBranch,    ///< the ways part
+  kTerminal,  ///< prediction stops
+  kJoin,      ///< ways come together and go on as one (graphs by fronts only); they may part again
+              ///< at once, then Node::branch is set
+};
 
 /// Why prediction stops at a terminal node.
 enum class TerminalReason : std::uint8_t {
@@ -32,6 +38,15 @@ enum class TerminalReason : std::uint8_t {
   kHorizon,  ///< the way goes on, but is cut here at exactly the horizon
   kDeadEnd,  ///< nowhere left to go: every neighbour is on this way already or on another (a loop
              ///< edge then shows where the two meet)
+  kMeeting,  ///< the way ends where another comes toward it (graphs by fronts only); a loop edge
+             ///< of no length joins the two
+};
+
+/// The points at one distance from the source where people on a way would cross it: a piece of the
+/// front at the horizon, or the end of a way.
+struct Front {
+  glm::vec2 from, to;  ///< its ends, on walls; plan, metres. Equal where it is closed, or a point
+  float length;        ///< metres
 };
 
 /// A corner of a taut path from the source; the corners of all paths form a tree by `previous`.
@@ -69,6 +84,8 @@ struct Edge {
   float length;                              ///< metres
   std::uint32_t polygonStart, polygonCount;  ///< range in `corridorPolygons`, from `from` to `to`
   std::uint32_t pathStart, pathCount;        ///< range in `pathPoints`, from `from` to `to`
+  float width = 0.0f;  ///< of the way: the shorter of the fronts at its two ends, metres; 0 where
+                       ///< the graph was not made by fronts
 };
 
 /// Flags of a graph; each names the limit to raise (PredictionLimits).
@@ -85,7 +102,14 @@ struct GraphStats {
   std::uint32_t relaxed = 0;   ///< neighbours looked at
 };
 
+/// How a graph was made.
+enum class Method : std::uint8_t {
+  kPolygon,  ///< predict.h: the paper's; polygons with more than two neighbours are branches
+  kFront,    ///< front_graph.h: the front of all points at one distance; what it does is a branch
+};
+
 struct PredictionGraph {
+  Method method = Method::kPolygon;
   float horizon = 0.0f;     ///< metres
   float completeTo = 0.0f;  ///< all ways are known out to here; == horizon unless a limit was hit
   std::uint32_t flags = kGraphComplete;
@@ -97,6 +121,7 @@ struct PredictionGraph {
   std::vector<PolygonId> corridorPolygons;
   std::vector<glm::vec2> pathPoints;  ///< plan
   std::vector<NodeId> terminals;      ///< ascending
+  std::vector<Front> fronts;          ///< one a terminal, or none: only graphs by fronts have them
   GraphStats stats;
 
   const Node& node(NodeId id) const { return nodes[index(id)]; }
@@ -111,6 +136,16 @@ struct PredictionGraph {
     return {corridorPolygons.data() + edge.polygonStart, edge.polygonCount};
   }
 };
+
+/// Empties a graph for the next prediction, keeping its buffers.
+void clear(PredictionGraph& graph);
+
+/// Makes an emptied graph one of the source alone, with kSourceOffMesh. `source` and `horizon` are
+/// set.
+void sourceAlone(PredictionGraph& graph);
+
+/// Fills in `children` and each node's range of them from the nodes' `prev`. O(nodes).
+void listChildren(PredictionGraph& graph);
 
 /// A point on a way and the unit direction of walking there (zero on a way of no length).
 struct WayPoint {
@@ -142,6 +177,14 @@ NodeId branchAhead(const PredictionGraph& graph);
 /// metres, heights at corners. Its plan length is node.distance. Every way out: call it for each of
 /// graph.terminals.
 void wayTo(const PredictionGraph& graph, NodeId node, std::vector<glm::vec3>& way);
+
+/// Replaces `lifted` with the path of `edge` on the surface, from `from` to `to`: world space,
+/// metres, with a point wherever the ground leaves the straight line by more than 2 cm. Its plan is
+/// the edge's path. `graph` must have been predicted on `navGraph`; `portals` is scratch.
+/// O(portals and height triangles of the corridor's polygons); allocates only where one of the two
+/// has to grow.
+void liftEdge(const navmesh::NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge,
+              std::vector<std::uint32_t>& portals, std::vector<glm::vec3>& lifted);
 
 /// A hash of all that a consumer can see (not stats or timing); equal graphs, equal hash on one
 /// build.

@@ -32,23 +32,29 @@ std::string endingOf(const std::filesystem::path& file) {
   return ending;
 }
 
+tl::unexpected<Error> unwritable(const std::filesystem::path& file, const std::string& reason) {
+  return fail(ErrorCode::kFileUnwritable,
+              fmt::format("{}: cannot be written: {}. Give another path.", file.string(), reason));
+}
+
+tl::expected<void, Error> makeFolders(const std::filesystem::path& file) {
+  if (!file.has_parent_path()) return {};
+  std::error_code failure;
+  std::filesystem::create_directories(file.parent_path(), failure);
+  if (failure) return unwritable(file, failure.message());
+  return {};
+}
+
 tl::expected<void, Error> writeBytes(const std::filesystem::path& file, const void* bytes,
                                      std::size_t size) {
-  const auto refuse = [&](const std::string& reason) {
-    return fail(ErrorCode::kFileUnwritable,
-                fmt::format("{}: cannot be written: {}.", file.string(), reason));
-  };
+  const auto refuse = [&](const std::string& reason) { return unwritable(file, reason); };
   if (file == "-") {
     if (std::fwrite(bytes, 1, size, stdout) != size || std::fflush(stdout) != 0) {
       return refuse(std::strerror(errno));
     }
     return {};
   }
-  if (file.has_parent_path()) {
-    std::error_code failure;
-    std::filesystem::create_directories(file.parent_path(), failure);
-    if (failure) return refuse(failure.message());
-  }
+  if (auto made = makeFolders(file); !made) return made;
   errno = 0;
   const Stream stream(std::fopen(file.c_str(), "wb"), &std::fclose);
   if (!stream) return refuse(std::strerror(errno));
@@ -86,6 +92,23 @@ tl::expected<void, Error> writeFile(const std::filesystem::path& file, std::stri
 tl::expected<void, Error> writeFile(const std::filesystem::path& file,
                                     const std::vector<std::byte>& bytes) {
   return writeBytes(file, bytes.data(), bytes.size());
+}
+
+tl::expected<void, Error> checkWritable(const std::filesystem::path& file) {
+  if (file.empty() || file == "-") return {};
+  if (auto made = makeFolders(file); !made) return made;
+  std::error_code failure;
+  const auto status = std::filesystem::status(file, failure);
+  const bool isNew = !std::filesystem::exists(status);
+  // Whoever reads a pipe would take the first opening for all there is.
+  if (!isNew && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status))
+    return {};
+  errno = 0;
+  Stream stream(std::fopen(file.c_str(), "ab"), &std::fclose);
+  if (!stream) return unwritable(file, std::strerror(errno));
+  stream.reset();
+  if (isNew) std::filesystem::remove(file, failure);
+  return {};
 }
 
 bool isBuiltNavMesh(const std::filesystem::path& file) {

@@ -26,6 +26,11 @@ namespace forewalk::service {
 [[nodiscard]] tl::expected<void, Error> writeFile(const std::filesystem::path& file,
                                                   const std::vector<std::byte>& bytes);
 
+/// Finds out before long work whether writeFile(file) can be expected to work: makes the folders,
+/// and opens the file without changing it. "-" and "" (nothing to write) are fine. Fails as
+/// writeFile.
+[[nodiscard]] tl::expected<void, Error> checkWritable(const std::filesystem::path& file);
+
 /// Whether the file's ending names a navmesh that is built already: .fwmesh, or RecastDemo's .bin.
 bool isBuiltNavMesh(const std::filesystem::path& file);
 

@@ -1,9 +1,11 @@
 #include "service/capi/flat_graph.h"
 
 #include <algorithm>
-#include <limits>
+#include <cstddef>
+#include <functional>
+#include <numeric>
+#include <utility>
 
-#include "navmesh/funnel.h"
 #include "service/capi/axes.h"
 
 namespace forewalk::capi {
@@ -12,8 +14,6 @@ namespace {
 
 using navmesh::NavGraph;
 using prediction::PredictionGraph;
-
-constexpr float kLiftTolerance = 0.02f;  // how far a path may leave the floor, metres
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -26,51 +26,40 @@ static_assert(FOREWALK_REASON_DEAD_END == static_cast<int>(prediction::TerminalR
 static_assert(prediction::index(prediction::kNoNode) == kNone);
 static_assert(navmesh::index(navmesh::kNoPolygon) == kNone);
 
-float squaredDistance(glm::vec2 point, glm::vec2 a, glm::vec2 b) {
-  const glm::vec2 along = b - a;
-  const float squared = glm::dot(along, along);
-  const float t =
-      squared > 0.0f ? glm::clamp(glm::dot(point - a, along) / squared, 0.0f, 1.0f) : 0.0f;
-  const glm::vec2 off = point - (a + t * along);
-  return glm::dot(off, off);
+// Of the `count` largest.
+std::size_t sumOfLargest(std::vector<std::size_t> numbers, std::size_t count) {
+  count = std::min(count, numbers.size());
+  const auto end = numbers.begin() + static_cast<std::ptrdiff_t>(count);
+  std::nth_element(numbers.begin(), end, numbers.end(), std::greater<>());
+  return std::accumulate(numbers.begin(), end, std::size_t{0});
 }
 
-float squaredDistance(glm::vec2 point, std::span<const glm::vec2> path) {
-  if (path.size() == 1) return squaredDistance(point, path[0], path[0]);
-  float nearest = std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    nearest = std::min(nearest, squaredDistance(point, path[i], path[i + 1]));
-  }
-  return nearest;
-}
-
-// The half-portal from `from` to `to`. Two polygons can be joined by several; the path goes through
-// the one whose middle it comes nearest to.
-std::uint32_t portalBetween(const NavGraph& graph, navmesh::PolygonId from, navmesh::PolygonId to,
-                            std::span<const glm::vec2> path) {
-  const std::uint32_t end = graph.portalStart[navmesh::index(from) + 1];
-  std::uint32_t best = kNone;
-  float nearest = 0.0f;
-  for (std::uint32_t h = graph.portalStart[navmesh::index(from)]; h < end; ++h) {
-    if (graph.portalTo[h] != to) continue;
-    const float distance = squaredDistance(graph.portalMidpoint[h], path);
-    if (best == kNone || distance < nearest) {
-      best = h;
-      nearest = distance;
-    }
-  }
-  return best;
+// The most points that liftPath records where an edge's path crosses the polygon: every side that
+// its height triangles have inside it, the place where the path leaves it, and a corner.
+std::size_t pointsAcross(const NavGraph& graph, std::uint32_t polygon) {
+  const std::size_t triangles =
+      graph.heightStart.empty() ? 0 : graph.heightStart[polygon + 1] - graph.heightStart[polygon];
+  const std::size_t corners = graph.ringStart[polygon + 1] - graph.ringStart[polygon];
+  return (triangles > 0 ? 3 * triangles : corners - 3) + 2;
 }
 
 }  // namespace
 
-FlatGraph::FlatGraph(std::uint32_t polygons) {
-  const std::size_t count = polygons;
+FlatGraph::FlatGraph(const NavGraph& graph, std::uint32_t polygons) {
+  std::vector<std::size_t> neighbours, onePath, allPaths;
+  for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
+    neighbours.push_back(graph.neighbourCount[p]);
+    onePath.push_back(pointsAcross(graph, p));
+    // A polygon lies on its own tree edge and on one edge at most for each other neighbour: of the
+    // tree, if that comes after it, or a loop. One more for a cut that lies before its prev.
+    allPaths.push_back((graph.neighbourCount[p] + 1) * onePath.back());
+  }
+  const std::size_t count = std::min(polygons, graph.polygonCount());
   nodes_.reserve(count + 1);
-  edges_.reserve(2 * count);
-  points_.reserve(6 * count);
+  edges_.reserve(count + sumOfLargest(std::move(neighbours), count) / 2);
   portals_.reserve(count);
-  lifted_.reserve(4 * count);
+  lifted_.reserve(sumOfLargest(std::move(onePath), count) + 2);
+  points_.reserve(sumOfLargest(std::move(allPaths), count) + 2);
 }
 
 void FlatGraph::clear() {
@@ -96,18 +85,12 @@ void FlatGraph::flatten(const NavGraph& navGraph, const PredictionGraph& graph,
                       .branch = node.branch,
                       .reserved = 0});
   }
-  for (const prediction::Edge& edge : graph.edges) liftEdge(navGraph, graph, edge, axes);
+  for (const prediction::Edge& edge : graph.edges) addEdge(navGraph, graph, edge, axes);
 }
 
-void FlatGraph::liftEdge(const NavGraph& navGraph, const PredictionGraph& graph,
-                         const prediction::Edge& edge, forewalk_axes axes) {
-  const auto path = graph.pathOf(edge);
-  const auto polygons = graph.corridorOf(edge);
-  portals_.clear();
-  for (std::size_t i = 0; i + 1 < polygons.size(); ++i) {
-    portals_.push_back(portalBetween(navGraph, polygons[i], polygons[i + 1], path));
-  }
-  navmesh::liftPath(navGraph, polygons.front(), portals_, path, kLiftTolerance, lifted_);
+void FlatGraph::addEdge(const NavGraph& navGraph, const PredictionGraph& graph,
+                        const prediction::Edge& edge, forewalk_axes axes) {
+  prediction::liftEdge(navGraph, graph, edge, portals_, lifted_);
   edges_.push_back({.from = prediction::index(edge.from),
                     .to = prediction::index(edge.to),
                     .length = edge.length,

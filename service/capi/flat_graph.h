@@ -12,9 +12,9 @@ namespace forewalk::capi {
 /// Owned by a session, filled when somebody asks.
 class FlatGraph {
  public:
-  /// Makes room for graphs of up to `polygons` settled polygons on level ground. Stairs bring more
-  /// points, so that the arrays can still grow.
-  explicit FlatGraph(std::uint32_t polygons);
+  /// Makes room for every graph of up to `polygons` settled polygons of `graph`, over whatever
+  /// ground: flatten() then allocates nothing. O(polygons of the navmesh).
+  FlatGraph(const navmesh::NavGraph& graph, std::uint32_t polygons);
 
   /// Replaces the arrays by those of `graph`, which was predicted on `navGraph`. Paths are lifted
   /// onto the floor, to 2 cm.
@@ -27,8 +27,8 @@ class FlatGraph {
   forewalk_graph_view view() const;
 
  private:
-  void liftEdge(const navmesh::NavGraph& navGraph, const prediction::PredictionGraph& graph,
-                const prediction::Edge& edge, forewalk_axes axes);
+  void addEdge(const navmesh::NavGraph& navGraph, const prediction::PredictionGraph& graph,
+               const prediction::Edge& edge, forewalk_axes axes);
 
   float horizon_ = 0.0f;
   float completeTo_ = 0.0f;

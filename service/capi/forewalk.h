@@ -6,8 +6,12 @@
  *   forewalk_navmesh  where one can walk. Made once from a scene file, from triangles in memory or
  *                     from a .fwmesh; then only read, and shared by any number of sessions on any
  *                     threads.
- *   forewalk_session  one user: tracked space, limits, controller, horizon. One thread at a time
- *                     each.
+ *   forewalk_session  one user: tracked space, limits, controller, horizon. Any thread, but one at
+ *                     a time: calls on one session must not overlap. Different sessions may run at
+ *                     the same time, on one navmesh, too.
+ *
+ * Two spaces: physical is the tracking system's (the real room, its floor at height 0), virtual is
+ * the scene's. Each frame a session is told the physical head and answers with the virtual one.
  *
  * Units: metres, seconds, radians. Axes by default: right-handed, +Y up, forward -Z (OpenXR, glTF).
  * A session can be made in Unity's or Unreal's convention; then every pose, position, direction and
@@ -15,7 +19,8 @@
  *
  * Errors: every function that can fail returns a forewalk_status. forewalk_last_error() gives the
  * sentence of the calling thread's latest failure. No call throws, aborts or prints. Null pointers
- * are refused with FOREWALK_ERROR_ARGUMENT.
+ * are refused with FOREWALK_ERROR_ARGUMENT, unless a function says that null is fine. Using a
+ * handle after its release or destruction cannot be detected.
  *
  * Structs carry their own size. Settings: call their _init function, then change what should
  * differ. What a call fills (forewalk_frame_out, forewalk_graph_view): set struct_size = sizeof(the
@@ -23,7 +28,13 @@
  * fills or reads only the caller's; one that knows fewer leaves the rest alone. A struct_size that
  * no version has had is refused.
  *
- * Frames: forewalk_frame allocates nothing, locks nothing and never blocks.
+ * Other languages: the C calling convention (cdecl); enumerations and booleans are int32_t (uint8_t
+ * in forewalk_node); structs are laid out as C compilers do by themselves (C#:
+ * LayoutKind.Sequential, size_t as UIntPtr); text is UTF-8, ended by a zero.
+ *
+ * Costs are for one core of a desktop computer, and said at each function that is not trivial.
+ * forewalk_frame and forewalk_graph allocate nothing, lock nothing and never block. Navmeshes and
+ * sessions with a predictive controller take long enough to be made while a level loads.
  */
 #ifndef FOREWALK_H
 #define FOREWALK_H
@@ -49,7 +60,8 @@ extern "C" {
 #define FOREWALK_VERSION_MINOR 1
 #define FOREWALK_VERSION_PATCH 0
 
-/* Version of the library that is loaded: major << 16 | minor << 8 | patch. */
+/* Version of the library that is loaded: major << 16 | minor << 8 | patch. Under another major
+ * number than FOREWALK_VERSION_MAJOR functions and structs may differ from this header. */
 FOREWALK_API uint32_t forewalk_version(void);
 
 /* ---- errors --------------------------------------------------------------------------------- */
@@ -57,23 +69,24 @@ FOREWALK_API uint32_t forewalk_version(void);
 typedef int32_t forewalk_status;
 enum {
   FOREWALK_OK = 0,
-  FOREWALK_ERROR_FILE_UNREADABLE = 1,
-  FOREWALK_ERROR_FORMAT_UNKNOWN = 2,
-  FOREWALK_ERROR_FORMAT_UNSUPPORTED = 3,
-  FOREWALK_ERROR_DATA_DAMAGED = 4,
-  FOREWALK_ERROR_SCENE_EMPTY = 5,
-  FOREWALK_ERROR_SETTING_OUT_OF_RANGE = 6,
-  FOREWALK_ERROR_NOTHING_WALKABLE = 7,
-  FOREWALK_ERROR_TOO_LARGE = 8,
-  FOREWALK_ERROR_POSITION_OFF_NAVMESH = 9,
-  FOREWALK_ERROR_FILE_UNWRITABLE = 10,
-  FOREWALK_ERROR_ARGUMENT = 100, /* null, an unknown constant, a wrong struct_size */
+  FOREWALK_ERROR_FILE_UNREADABLE = 1,    /* no such file, no permission */
+  FOREWALK_ERROR_FORMAT_UNKNOWN = 2,     /* the ending or the first bytes name no format we read */
+  FOREWALK_ERROR_FORMAT_UNSUPPORTED = 3, /* a version or an extension that we do not read */
+  FOREWALK_ERROR_DATA_DAMAGED = 4,       /* ends early, index out of range, NaN, bad polygon */
+  FOREWALK_ERROR_SCENE_EMPTY = 5,        /* nothing in it that could be walked on */
+  FOREWALK_ERROR_SETTING_OUT_OF_RANGE = 6, /* a number in the settings that cannot work */
+  FOREWALK_ERROR_NOTHING_WALKABLE = 7,     /* the sentence says which setting closed the scene */
+  FOREWALK_ERROR_TOO_LARGE = 8,            /* the sentence says which limit */
+  FOREWALK_ERROR_POSITION_OFF_NAVMESH = 9, /* no walkable floor there */
+  FOREWALK_ERROR_FILE_UNWRITABLE = 10,     /* no function of this version writes files */
+  FOREWALK_ERROR_ARGUMENT = 100,           /* null, an unknown constant, a wrong struct_size */
   FOREWALK_ERROR_OUT_OF_MEMORY = 101,
   FOREWALK_ERROR_INTERNAL = 102 /* a defect of ours; the sentence says what is known */
 };
 
-/* The calling thread's latest failure: one sentence, UTF-8, "" if there was none. Lives until the
- * thread's next failing call, or its end. */
+/* The calling thread's latest failure: one sentence, UTF-8, "" if there was none. Read it right
+ * after a call that failed: a call that succeeds leaves it as it is. The text lives until the
+ * thread's next failing call, or its end; copy it, do not free it. */
 FOREWALK_API const char* forewalk_last_error(void);
 
 /* ---- plain values --------------------------------------------------------------------------- */
@@ -95,7 +108,8 @@ typedef struct forewalk_pose {
 /* Whose axes and units a session speaks. Angles follow the axes: what turns left is positive in
  * FOREWALK_AXES_OPENXR (seen from above, counter-clockwise) and negative in the left-handed two, as
  * is a yaw there; so does the sign of a curvature. Positions and displacements have the axes' unit;
- * what is called a distance, a length or a horizon is in metres everywhere. */
+ * what is called a distance, a length or a horizon is in metres everywhere, and so is everything in
+ * forewalk_build_settings. */
 typedef int32_t forewalk_axes;
 enum {
   FOREWALK_AXES_OPENXR = 0, /* right-handed, +Y up, forward -Z, metres; also glTF, Godot, WebXR */
@@ -118,54 +132,66 @@ enum {
  * walking person in a scene in metres, +Y up. */
 typedef struct forewalk_build_settings {
   uint32_t struct_size;
-  int32_t z_up;          /* 0: +Y is up in the scene; 1: +Z is */
-  float metres_per_unit; /* > 0 */
+  int32_t z_up;          /* 0: +Y is up in the scene file; 1: +Z is */
+  float metres_per_unit; /* of the scene file, > 0; 0.01 for centimetres */
   float radius;          /* walker, metres, >= 0 */
   float height;          /* walker, metres, > 0 */
   float climb;           /* highest step, metres, >= 0 */
   float slope;           /* steepest ground, radians, [0, pi/2) */
-  float cell;            /* voxel size on the ground, metres, > 0 */
-  float cell_height;     /* voxel height, metres, > 0 */
-  float tile;            /* side of a tile, metres; 0: one piece */
+  float
+      cell; /* voxel size on the ground, metres, > 0; at half of it a build takes 4 times as long */
+  float cell_height; /* voxel height, metres, > 0 */
+  float tile;        /* side of a tile, metres; 0: one piece, built by one thread */
   forewalk_partition partition;
 } forewalk_build_settings;
 
-FOREWALK_API void forewalk_build_settings_init(forewalk_build_settings* settings);
+FOREWALK_API void forewalk_build_settings_init(
+    forewalk_build_settings* settings); /* null is fine */
 
 /* Builds from a scene file (.obj .off .ply .stl .gltf .glb), or loads a .fwmesh or RecastDemo's
- * tile set (.bin; settings are then not used). `path` is UTF-8. `settings` may be null: defaults.
- * On success *navmesh is the caller's to release, on failure null. Tiles are built on all cores;
- * the threads end with the call. */
+ * tile set (.bin); settings are then not used. `path` is UTF-8. `settings` may be null: defaults.
+ * On success *navmesh is the caller's to release, on failure null. Fails as the codes 1 to 8 say.
+ *
+ * Blocks until it is done: 50 to 100 ms for a scene of 40 m x 25 m, growing with the area and the
+ * triangles. Call it from a loading thread, or build ahead of time and ship the .fwmesh, which
+ * loads in a few milliseconds. Tiles are built on all cores; the threads end with the call. */
 FOREWALK_API forewalk_status forewalk_navmesh_from_file(const char* path,
                                                         const forewalk_build_settings* settings,
                                                         forewalk_navmesh** navmesh);
 
 /* Builds from triangles an engine has in memory: `vertex_count` times x, y, z, and `index_count`
- * indices, three a triangle. The arrays are only read during the call. Vertices are in `axes`, and
- * the winding is the one that the engine's own meshes have, seen from outside: counter-clockwise
- * for FOREWALK_AXES_OPENXR and FOREWALK_AXES_UNREAL, clockwise for FOREWALK_AXES_UNITY. z_up is
- * used with FOREWALK_AXES_OPENXR only. metres_per_unit scales what the axes' unit gives: leave it
- * at 1 for Unreal's centimetres. */
+ * indices, three a triangle. The arrays are only read during the call. Vertices are in `axes`, in
+ * the places they have in the world (not in an object's own space), and the winding is the one that
+ * the engine's own meshes have, seen from outside: counter-clockwise for FOREWALK_AXES_OPENXR and
+ * FOREWALK_AXES_UNREAL, clockwise for FOREWALK_AXES_UNITY. z_up is used with FOREWALK_AXES_OPENXR
+ * only. metres_per_unit scales what the axes' unit gives: leave it at 1 for Unreal's centimetres.
+ * Otherwise as forewalk_navmesh_from_file, cost included. The navmesh can be shared by sessions in
+ * other axes. */
 FOREWALK_API forewalk_status forewalk_navmesh_from_triangles(
     const float* vertices, size_t vertex_count, const uint32_t* indices, size_t index_count,
     forewalk_axes axes, const forewalk_build_settings* settings, forewalk_navmesh** navmesh);
 
-/* Loads the bytes of a .fwmesh. They are only read during the call. */
+/* Loads the bytes of a .fwmesh (from forewalk_navmesh_save, or from `forewalk build`). They are
+ * only read during the call. Bytes that are damaged or cut off are refused; they may come from
+ * anywhere. On success *navmesh is the caller's to release, on failure null. Costs 1 to 5 ms for
+ * 400 polygons. */
 FOREWALK_API forewalk_status forewalk_navmesh_from_fwmesh(const void* bytes, size_t byte_count,
                                                           forewalk_navmesh** navmesh);
 
 /* The bytes of a .fwmesh of this navmesh. Call with `buffer` null to learn the size; then with a
  * buffer of *byte_count bytes. *byte_count is set to the size in every case; a buffer that is
- * smaller is not written to (FOREWALK_ERROR_ARGUMENT). */
+ * smaller is not written to (FOREWALK_ERROR_ARGUMENT). The bytes do not change while the navmesh
+ * lives. Costs a copy of them. */
 FOREWALK_API forewalk_status forewalk_navmesh_save(const forewalk_navmesh* navmesh, void* buffer,
                                                    size_t* byte_count);
 
-/* 0 for null. */
+/* O(1); 0 for null. */
 FOREWALK_API uint32_t forewalk_navmesh_polygon_count(const forewalk_navmesh* navmesh);
 
-/* One more owner; thread-safe. Sessions are owners of their own: a navmesh may be released while
- * sessions on it live. */
-FOREWALK_API void forewalk_navmesh_retain(forewalk_navmesh* navmesh);
+/* One owner more, one less; the last release frees the navmesh. Thread-safe, O(1). Who got a
+ * navmesh from one of the functions above is its first owner. Sessions are owners of their own: a
+ * navmesh may be released while sessions on it live. */
+FOREWALK_API void forewalk_navmesh_retain(forewalk_navmesh* navmesh);  /* null is fine */
 FOREWALK_API void forewalk_navmesh_release(forewalk_navmesh* navmesh); /* null is fine */
 
 /* ---- session -------------------------------------------------------------------------------- */
@@ -174,7 +200,7 @@ typedef struct forewalk_session forewalk_session;
 
 typedef int32_t forewalk_controller;
 enum {
-  FOREWALK_CONTROLLER_NONE = 0,
+  FOREWALK_CONTROLLER_NONE = 0,           /* no gains; resets all the same */
   FOREWALK_CONTROLLER_S2C = 1,            /* steer-to-center as published */
   FOREWALK_CONTROLLER_S2O = 2,            /* steer-to-orbit as published */
   FOREWALK_CONTROLLER_S2C_PREDICTIVE = 3, /* the same fed by the prediction graph; the default */
@@ -186,12 +212,12 @@ enum {
   FOREWALK_LIMITS_STEINICKE = 0,  /* detection thresholds of Steinicke et al. 2010; the default */
   FOREWALK_LIMITS_LABORATORY = 1, /* the same with curvature up to 1/7.5 per metre */
   FOREWALK_LIMITS_NETH = 2,       /* the same with curvature up to 1/10 per metre */
-  FOREWALK_LIMITS_TOOLKIT = 3,    /* what RDWT and OpenRDW ship */
+  FOREWALK_LIMITS_TOOLKIT = 3,    /* what RDWT and OpenRDW ship: rotation 0.80 to 1.49, 1/7.5 */
   FOREWALK_LIMITS_CUSTOM = 4      /* the numbers in the settings */
 };
 
-/* Horizontal point: x to the right in all axes; `forward` along the axes' forward direction. Metres
- * (Unreal: centimetres). */
+/* Horizontal point of the tracked room: `right` and `forward` along the axes' directions of these
+ * names (OpenXR: x and -z, Unity: x and z, Unreal: y and x). Metres (Unreal: centimetres). */
 typedef struct forewalk_point2 {
   float right, forward;
 } forewalk_point2;
@@ -203,15 +229,16 @@ typedef struct forewalk_session_settings {
   forewalk_limits limits;
   float horizon; /* metres ahead along the virtual path, (0, 1000]; default 10 */
 
-  /* The tracked space: a polygon, in the tracking system's coordinates. The points are only read
-   * while the session is made. border_count 0: a rectangle of width (right) by depth (forward)
-   * about the origin. */
+  /* The tracked space: a simple polygon, either way round, in the tracking system's coordinates.
+   * The points are only read while the session is made; 4096 at most, holes included. border_count
+   * 0: a rectangle of width (right) by depth (forward) about the origin. */
   const forewalk_point2* border;
   size_t border_count;
-  float width, depth; /* metres (Unreal: centimetres); default 0: 4 metres */
+  float width, depth; /* metres (Unreal: centimetres), 0.1 m to 10 km; default 0: 4 metres */
 
   /* Pillars and tables inside the border, `hole_count` of them: hole_sizes[i] points each, one
-   * after the other in hole_points. Only read while the session is made; default none. */
+   * after the other in hole_points. They need a border in points: a rectangle by width and depth
+   * takes none. Only read while the session is made; default none. */
   const forewalk_point2* hole_points;
   const size_t* hole_sizes;
   size_t hole_count;
@@ -223,7 +250,8 @@ typedef struct forewalk_session_settings {
   forewalk_vec3 start_floor;
   float start_heading;
 
-  /* For FOREWALK_LIMITS_CUSTOM; virtual over physical, and 1/metre. */
+  /* For FOREWALK_LIMITS_CUSTOM; not read with the others. Ratios are virtual over physical, with
+   * 0 < min <= 1 <= max; curvature_max is in 1/metre, [0, 10], to either side. */
   float translation_min, translation_max;
   float rotation_min, rotation_max;
   float curvature_max;
@@ -231,18 +259,28 @@ typedef struct forewalk_session_settings {
 
   uint32_t polygon_limit; /* most polygons in one prediction, >= 1; default 16384 */
   int32_t resets;         /* 0: never stop the user; default 1 */
-  int32_t always_predict; /* 0: only where the controller asks for it; default 1 */
+  int32_t always_predict; /* 0: only where the controller asks for it, so that forewalk_graph has
+                             nothing to show with NONE, S2C and S2O; default 1 */
   uint32_t reserved;      /* 0 */
 } forewalk_session_settings;
 
-FOREWALK_API void forewalk_session_settings_init(forewalk_session_settings* settings);
+FOREWALK_API void forewalk_session_settings_init(
+    forewalk_session_settings* settings); /* null is fine */
 
 /* `settings` may be null: defaults. On success *session is the caller's to destroy, on failure
- * null. */
+ * null. Fails for settings that cannot work (FOREWALK_ERROR_SETTING_OUT_OF_RANGE, _DATA_DAMAGED or
+ * _TOO_LARGE for the tracked space, _ARGUMENT) and for a start_floor that is more than 0.5 m
+ * beside, above or below every walkable floor (_POSITION_OFF_NAVMESH).
+ *
+ * With a predictive controller this takes 0.05 to 0.15 s: what every place and heading of the
+ * tracked space is worth is worked out once, here. Make such sessions while loading, or on another
+ * thread; with the other controllers it takes 0.1 ms. A session keeps some 0.6 kB for each polygon
+ * of the navmesh, up to polygon_limit. */
 FOREWALK_API forewalk_status forewalk_session_create(const forewalk_navmesh* navmesh,
                                                      const forewalk_session_settings* settings,
                                                      forewalk_session** session);
-FOREWALK_API void forewalk_session_destroy(forewalk_session* session); /* null is fine */
+/* Its graph views end with it. Null is fine. */
+FOREWALK_API void forewalk_session_destroy(forewalk_session* session);
 
 /* What to tell the user in a reset. */
 typedef int32_t forewalk_instruction;
@@ -253,54 +291,66 @@ enum {
   FOREWALK_INSTRUCTION_WALK_BACK = 3     /* walk back into the tracked space */
 };
 
-/* Bits of forewalk_frame_out.flags. */
+/* Bits of forewalk_frame_out.flags. The first five also mean that no gain was applied. */
 enum {
-  FOREWALK_FLAG_FIRST_FRAME = 1 << 0,
-  FOREWALK_FLAG_TIME_STOOD_STILL = 1 << 1,
-  FOREWALK_FLAG_TIME_RAN_BACKWARDS = 1 << 2, /* or was not a number */
-  FOREWALK_FLAG_TIME_GAP = 1 << 3,
-  FOREWALK_FLAG_TRACKING_JUMP = 1 << 4,   /* moved more than 1 m: no gain was applied */
-  FOREWALK_FLAG_POSE_NOT_FINITE = 1 << 5, /* the last sound position was taken */
-  FOREWALK_FLAG_ORIENTATION_NOT_UNIT = 1 << 6,
-  FOREWALK_FLAG_ORIENTATION_UNUSABLE = 1 << 7,
-  FOREWALK_FLAG_OUTSIDE_SPACE = 1 << 8,
-  FOREWALK_FLAG_BORDER_NEAR = 1 << 9, /* a reset is about to be needed */
-  FOREWALK_FLAG_OFF_NAVMESH = 1 << 10,
-  FOREWALK_FLAG_SNAPPED = 1 << 11,    /* beside the navmesh: its nearest point was taken */
-  FOREWALK_FLAG_GRAPH_LIMIT = 1 << 12 /* raise polygon_limit or shorten the horizon */
+  FOREWALK_FLAG_FIRST_FRAME = 1 << 0,        /* nothing to compare with yet */
+  FOREWALK_FLAG_TIME_STOOD_STILL = 1 << 1,   /* the same time again; the step counts in the next */
+  FOREWALK_FLAG_TIME_RAN_BACKWARDS = 1 << 2, /* or was not a number; time goes on from here */
+  FOREWALK_FLAG_TIME_GAP = 1 << 3,           /* more than 0.5 s since the last frame */
+  FOREWALK_FLAG_TRACKING_JUMP = 1 << 4,      /* moved more than 1 m, and the virtual head as far */
+  FOREWALK_FLAG_POSE_NOT_FINITE = 1 << 5,    /* the last sound position was taken */
+  FOREWALK_FLAG_ORIENTATION_NOT_UNIT = 1 << 6, /* it was normalised */
+  FOREWALK_FLAG_ORIENTATION_UNUSABLE = 1 << 7, /* the last sound one was taken */
+  FOREWALK_FLAG_OUTSIDE_SPACE = 1 << 8,        /* the head is outside the tracked space */
+  FOREWALK_FLAG_BORDER_NEAR = 1 << 9,          /* a reset is about to be needed */
+  FOREWALK_FLAG_OFF_NAVMESH = 1 << 10, /* no walkable floor near: the last place was taken */
+  FOREWALK_FLAG_SNAPPED = 1 << 11,     /* beside the navmesh: its nearest point was taken */
+  FOREWALK_FLAG_GRAPH_LIMIT = 1 << 12  /* raise polygon_limit or shorten the horizon */
 };
 
 typedef struct forewalk_frame_out {
   uint32_t struct_size;
   uint32_t flags;
-  forewalk_pose virtual_pose; /* what to render from */
-  float translation;          /* gains as applied: virtual over physical */
-  float rotation;
-  float curvature; /* 1/metre whatever the axes' unit; positive as an angle is */
+  forewalk_pose virtual_pose; /* of the head: what to render from */
+  float translation;          /* gains as applied: virtual over physical, 1 does nothing */
+  float rotation;             /* 2 while resetting */
+  float curvature; /* 1/metre whatever the axes' unit; positive as an angle is; 0 does nothing */
   float bending;
   float injected_yaw; /* radians by which the world was turned about the head this frame */
   forewalk_vec3 injected_translation; /* by which the user was pushed this frame, virtual */
   int32_t resetting;                  /* 1 while the user is being turned */
-  forewalk_instruction instruction;
-  float reset_remaining; /* physical radians to go, >= 0 */
+  forewalk_instruction instruction;   /* what to tell the user now */
+  float reset_remaining;              /* physical radians to go, >= 0 */
   float reset_turned;    /* physical radians turned since it began; its sign is the way to go on */
-  uint32_t reset_count;  /* begun so far */
-  uint32_t graph_nodes;
+  uint32_t reset_count;  /* begun since the session was made */
+  uint32_t graph_nodes;  /* of this frame's prediction graph, 0 where there is none */
   float predict_seconds; /* time spent: finding the place and the graph */
   float steer_seconds;   /* and choosing and applying gains */
 } forewalk_frame_out;
 
-/* One frame: the tracked head in the tracking system's space (its floor at height 0), and a time
- * that does not run backwards. Odd input is reported in out->flags and leaves the session usable;
- * whatever comes in, what comes out is finite. Fails only for null pointers and a wrong
- * struct_size. */
+/* One frame: the tracked head in the tracking system's space (its floor at height 0), and the time
+ * of that pose on any clock that does not run backwards, in seconds (a double: a float would lose
+ * the milliseconds within hours). Call it once for each rendered frame, at any rate above 2 Hz.
+ *
+ * An engine that tracks the camera itself moves the camera's parent instead: its new pose is
+ * virtual_pose * inverse(head), both as transforms.
+ *
+ * Odd input is reported in out->flags and leaves the session usable; whatever comes in, what comes
+ * out is finite. Fails only for null pointers and a wrong struct_size, and then leaves session and
+ * out alone.
+ *
+ * Costs some 5 microseconds for a horizon of 10 m in an office, more with the polygons within the
+ * horizon, whatever the size of the scene. A predictive controller plans ten times a second; these
+ * frames take up to 0.15 ms. */
 FOREWALK_API forewalk_status forewalk_frame(forewalk_session* session, forewalk_vec3 head_position,
                                             forewalk_quat head_orientation, double seconds,
                                             forewalk_frame_out* out);
 
 /* Puts the user's next frame at another place of the virtual floor (a teleport, a lift), looking
- * along `heading`. Off the navmesh (more than 0.5 m beside it, above or below) it fails with
- * FOREWALK_ERROR_POSITION_OFF_NAVMESH, and nothing changes. */
+ * along `heading` (radians, as start_heading). `floor` is under the feet. Off the navmesh (more
+ * than 0.5 m beside it, above or below) it fails with FOREWALK_ERROR_POSITION_OFF_NAVMESH, for a
+ * heading that is not finite with _SETTING_OUT_OF_RANGE, and nothing changes. Nobody moves in the
+ * tracked room. Costs a few microseconds. */
 FOREWALK_API forewalk_status forewalk_session_teleport(forewalk_session* session,
                                                        forewalk_vec3 floor, float heading);
 
@@ -332,8 +382,9 @@ typedef struct forewalk_edge {
   int32_t loop; /* 0: to its prev; 1: joins neighbours that the tree leaves apart */
 } forewalk_edge;
 
-/* This frame's graph as flat arrays. Owned by the session; they live until its next call of
- * forewalk_frame, forewalk_graph or forewalk_session_destroy. */
+/* This frame's graph as flat arrays, in the session's axes. Owned by the session; they live until
+ * its next call of forewalk_frame, forewalk_graph or forewalk_session_destroy. Copy them for
+ * another thread. */
 typedef struct forewalk_graph_view {
   uint32_t struct_size;
   uint32_t node_count;
@@ -346,9 +397,10 @@ typedef struct forewalk_graph_view {
   float complete_to; /* all ways are known out to here; less than horizon at a limit */
 } forewalk_graph_view;
 
-/* No nodes before the first frame, and where nothing was predicted (always_predict). Costs
- * O(points); a frame whose graph nobody asks for costs nothing here. Allocates only where this
- * frame's graph is larger than all before. */
+/* The graph that the latest forewalk_frame predicted. No nodes before the first frame, and where
+ * nothing was predicted (always_predict); one node, the source, while the user has not been on the
+ * navmesh. Costs some 3 microseconds for 40 points, and grows with them; nothing where nobody asks.
+ * Allocates nothing. Fails only for null pointers and a wrong struct_size. */
 FOREWALK_API forewalk_status forewalk_graph(forewalk_session* session, forewalk_graph_view* view);
 
 #ifdef __cplusplus

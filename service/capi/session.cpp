@@ -17,8 +17,7 @@ struct forewalk_session {
   forewalk_session(forewalk::rdw::Session made, forewalk_axes spoken)
       : session(std::move(made)),
         axes(spoken),
-        graph(std::min(session.settings().prediction.polygons,
-                       session.world().graph.polygonCount())) {}
+        graph(session.world().graph, session.settings().prediction.polygons) {}
 
   forewalk::rdw::Session session;
   forewalk_axes axes;

@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 
 #include "service/cli/verb.h"
@@ -28,6 +32,25 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }
 
 }  // namespace
+
+std::string wholeNumber(const std::string& text) {
+  const bool digits = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isdigit(c) != 0;
+  });
+  if (!digits) return fmt::format("\"{}\" is no whole number, 0 or more", text);
+  std::uint64_t value = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+  return read.ec == std::errc() ? "" : fmt::format("{} is more than 64 bits hold", text);
+}
+
+std::string fileName(const std::string& text) { return text.empty() ? "the name is empty" : ""; }
+
+void refuseBothToStdout(const std::string& option, const std::filesystem::path& one,
+                        const std::string& other, const std::filesystem::path& two) {
+  if (one != "-" || two != "-") return;
+  throw CLI::ValidationError(
+      option, fmt::format("this and {} are both stdout; give one of them a file", other));
+}
 
 glm::vec3 parsePosition(const std::string& option, const std::string& text) {
   const auto parts = split(text, ',');

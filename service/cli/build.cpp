@@ -22,7 +22,23 @@ struct BuildOptions {
   std::filesystem::path dump;
 };
 
+// Under another ending no verb would read it back, and under a scene's it could replace the scene.
+void checkEnding(const std::filesystem::path& out) {
+  std::error_code unknown;
+  if (out == "-" || out.extension() == ".fwmesh" ||
+      std::filesystem::is_character_file(out, unknown))
+    return;
+  throw CLI::ValidationError(
+      "--out", fmt::format("{} would not be read back; give a name that ends in .fwmesh, or -",
+                           out.string()));
+}
+
 tl::expected<void, Error> run(const BuildOptions& options) {
+  checkEnding(options.out);
+  refuseBothToStdout("--out", options.out, "--dump", options.dump);
+  for (const std::filesystem::path& file : {options.out, options.dump}) {
+    if (auto writable = service::checkWritable(file); !writable) return writable;
+  }
   auto navMesh = loadNavMesh(options.scene);
   if (!navMesh) return tl::unexpected(std::move(navMesh.error()));
   const navmesh::PolygonMesh polygons = navmesh::flatten(*navMesh);
@@ -52,8 +68,12 @@ Verb addBuild(CLI::App& program) {
   CLI::App* verb = program.add_subcommand("build", "Build a navmesh from a scene and save it");
   const auto options = std::make_shared<BuildOptions>();
   addSceneOptions(*verb, options->scene);
-  verb->add_option("--out", options->out, "Navmesh to write (.fwmesh); - is stdout")->required();
-  verb->add_option("--dump", options->dump, "Polygons and portals as JSON (forewalk.navmesh/1)");
+  verb->add_option("--out", options->out, "Navmesh to write (.fwmesh); - is stdout")
+      ->required()
+      ->check(fileName);
+  verb->add_option("--dump", options->dump,
+                   "Polygons and portals as JSON (forewalk.navmesh/1); - is stdout")
+      ->check(fileName);
   verb->footer(
       "Example:\n"
       "  forewalk build assets/scenes/office.obj --radius 0.3 --tile 16 --out office.fwmesh \\\n"

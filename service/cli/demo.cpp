@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -242,6 +243,10 @@ void drawSweep(Pictures& pictures, const Building& building, std::uint64_t seed)
 }
 
 tl::expected<void, Error> run(const DemoOptions& options) {
+  if (std::isnan(options.metres)) {
+    throw CLI::ValidationError("--metres", "nan is out of range; give 1 to 100000 m");
+  }
+  if (auto writable = service::checkWritable(options.out / "table.txt"); !writable) return writable;
   const auto room = rdw::TrackedSpace::rectangle(kRoomSide, kRoomSide);
   if (!room) return tl::unexpected(room.error());
   std::string tables;
@@ -304,12 +309,18 @@ Verb addDemo(CLI::App& program) {
   verb->add_option("--walks", options->walks, "Walks per controller, each with a seed of its own")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  verb->add_option("--seed", options->seed, "Of the first walk")->capture_default_str();
-  verb->add_option("--out", options->out, "Folder to write to")->capture_default_str();
+  verb->add_option("--seed", options->seed, "Of the first walk")
+      ->check(wholeNumber)
+      ->capture_default_str();
+  verb->add_option("--out", options->out, "Folder to write to")
+      ->check(fileName)
+      ->capture_default_str();
   verb->footer(
       "Example:\n"
       "  forewalk demo --scene museum --metres 300 --seed 7 --out out\n"
-      "Everybody walks the same way: the controllers are compared on the same seeds.");
+      "The room is 6 m x 6 m, curvature goes up to 1/7.5 per metre. Everybody walks the same way: "
+      "the\n"
+      "controllers are compared on the same seeds.");
   return {verb, [options] { return run(*options); }};
 }
 

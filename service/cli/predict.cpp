@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "prediction/dump.h"
+#include "prediction/front_graph.h"
 #include "service/cli/scene_options.h"
 #include "service/cli/verb.h"
 #include "service/files.h"
@@ -26,18 +27,24 @@ struct PredictOptions {
   std::string at;
   std::optional<float> headingDegrees;
   float horizon = 20.0f;
+  std::string method = "polygon";
+  float persistence = prediction::FrontSettings{}.persistence;
   std::string format;
   std::filesystem::path out = "-";
 };
 
+// Throws where the ending of --out names something else.
 std::string formatOf(const PredictOptions& options) {
   if (!options.format.empty()) return options.format;
-  std::string ending = options.out.extension().string();
-  if (!ending.empty()) ending.erase(0, 1);
+  const std::string ending = CLI::detail::to_lower(options.out.extension().string());
+  if (ending.empty()) return "json";
   for (const char* known : {"json", "graphml", "dot", "svg"}) {
-    if (ending == known) return ending;
+    if (ending.substr(1) == known) return known;
   }
-  return "json";
+  throw CLI::ValidationError(
+      "--out", fmt::format("{}: the ending names no format we write; say which with --format json, "
+                           "graphml, dot or svg",
+                           options.out.string()));
 }
 
 tl::expected<void, Error> run(const PredictOptions& options) {
@@ -48,25 +55,42 @@ tl::expected<void, Error> run(const PredictOptions& options) {
         fmt::format("{:g} m is out of range; give more than 0 and up to 10000 m", options.horizon));
   }
   if (options.headingDegrees && !std::isfinite(*options.headingDegrees)) {
-    throw CLI::ValidationError("--heading-deg", "is no number of degrees");
+    throw CLI::ValidationError(
+        "--heading-deg", fmt::format("{:g} is no number of degrees", *options.headingDegrees));
   }
+  if (!(options.persistence >= 0.0f) || options.persistence > 100.0f) {
+    throw CLI::ValidationError(
+        "--persistence",
+        fmt::format("{:g} m is out of range; give 0 to 100 m", options.persistence));
+  }
+  const std::string format = formatOf(options);
+  if (auto writable = service::checkWritable(options.out); !writable) return writable;
   auto world = loadWorld(options.scene);
   if (!world) return tl::unexpected(std::move(world.error()));
   const auto place = service::placeIn(**world, at, options.scene.scene.string());
   if (!place) return tl::unexpected(place.error());
 
   const navmesh::NavGraph& navGraph = (*world)->graph;
+  const bool byFronts = options.method == "front";
   prediction::PredictionLimits limits;
   limits.polygons = std::max(limits.polygons, navGraph.polygonCount());
   prediction::Scratch scratch(navGraph, limits);
+  std::optional<prediction::FrontIndex> frontIndex;
+  std::optional<prediction::FrontScratch> frontScratch;
+  if (byFronts) {
+    frontIndex = prediction::makeFrontIndex(navGraph);
+    frontScratch.emplace(navGraph, *frontIndex);
+  }
+  const prediction::FrontSettings settings{options.persistence};
   const prediction::PredictionGraph* graph = nullptr;
   std::vector<double> times;
   for (int round = 0; round < 10; ++round) {  // buffers grow in the first
     const service::Stopwatch watch;
-    graph = &prediction::predict(navGraph, *place, options.horizon, scratch);
+    graph = byFronts ? &prediction::predictFronts(navGraph, *place, options.horizon, *frontScratch,
+                                                  settings)
+                     : &prediction::predict(navGraph, *place, options.horizon, scratch);
     if (round > 0) times.push_back(watch.microseconds());
   }
-  const std::string format = formatOf(options);
   if (format == "graphml") return service::writeFile(options.out, prediction::toGraphml(*graph));
   if (format == "dot") return service::writeFile(options.out, prediction::toDot(*graph));
   if (format == "svg") {
@@ -86,19 +110,30 @@ Verb addPredict(CLI::App& program) {
   CLI::App* verb = program.add_subcommand("predict", "The ways ahead of a user, out to a horizon");
   const auto options = std::make_shared<PredictOptions>();
   addSceneOptions(*verb, options->scene);
-  verb->add_option("--at", options->at, "Where the user stands: x,y,z in scene axes, metres")
-      ->required();
+  verb->add_option("--at", options->at, "Where the user stands: x,y,z in metres, y up")->required();
   verb->add_option(
       "--heading-deg", options->headingDegrees,
       "Where the user looks, degrees: 0 is -z, counter-clockwise positive; drawn in the plan");
   verb->add_option("--horizon", options->horizon, "How far ahead, metres along the path")
       ->capture_default_str();
   verb->add_option(
+          "--method", options->method,
+          "polygon: the paper's graph, polygon by polygon; front: real junctions, found by "
+          "following the front of all points at one distance")
+      ->check(CLI::IsMember({"polygon", "front"}))
+      ->capture_default_str();
+  verb->add_option("--persistence", options->persistence,
+                   "For --method front: ways shorter than this, metres, are part of the one they "
+                   "leave")
+      ->capture_default_str();
+  verb->add_option(
           "--format", options->format,
           "json, graphml (yEd, Gephi, networkx), dot (Graphviz) or svg (a plan); by default what "
-          "the ending of --out says, else json")
+          "the ending of --out says, json where it has none")
       ->check(CLI::IsMember({"json", "graphml", "dot", "svg"}));
-  verb->add_option("--out", options->out, "File to write; - is stdout")->capture_default_str();
+  verb->add_option("--out", options->out, "File to write; - is stdout")
+      ->check(fileName)
+      ->capture_default_str();
   verb->footer(
       "Example:\n"
       "  forewalk predict assets/scenes/office.obj --at 10,0,8 --heading-deg 90 --horizon 20 \\\n"

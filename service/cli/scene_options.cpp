@@ -4,7 +4,10 @@
 
 #include <glm/gtc/constants.hpp>
 #include <glm/trigonometric.hpp>
+#include <string_view>
+#include <utility>
 
+#include "service/cli/verb.h"
 #include "service/console.h"
 #include "service/files.h"
 #include "service/parallel.h"
@@ -15,7 +18,8 @@ void addSceneOptions(CLI::App& verb, SceneOptions& options) {
   verb.add_option("SCENE", options.scene,
                   "Scene (.obj .off .ply .stl .gltf .glb), built navmesh (.fwmesh) or RecastDemo's "
                   "tile set (.bin)")
-      ->required();
+      ->required()
+      ->check(fileName);
   const auto setting = [&](CLI::Option* option, std::string_view group) {
     option->group(std::string(group));
     options.settings.push_back(option);
@@ -54,7 +58,7 @@ void addSceneOptions(CLI::App& verb, SceneOptions& options) {
   setting(verb.add_option("--corners", build.cornersMax, "Most corners of a polygon, 3 to 6"),
           kBuild)
       ->capture_default_str();
-  setting(verb.add_option("--partition", options.partition, "watershed, monotone or layers")
+  setting(verb.add_option("--partition", options.partition, "How the ground is cut into regions")
               ->check(CLI::IsMember({"watershed", "monotone", "layers"})),
           kBuild)
       ->capture_default_str();
@@ -63,6 +67,45 @@ void addSceneOptions(CLI::App& verb, SceneOptions& options) {
       ->group(std::string(kBuild))
       ->capture_default_str();
 }
+
+namespace {
+
+// Settings have names of their own below; who typed an option looks for that.
+Error inOptionWords(Error error) {
+  constexpr std::pair<std::string_view, std::string_view> kNames[] = {
+      {"radius", "--radius"},
+      {"height", "--height"},
+      {"climb", "--climb"},
+      {"cell", "--cell"},
+      {"cellHeight", "--cell-height"},
+      {"regionMin", "--region-min"},
+      {"regionMerge", "--region-merge"},
+      {"edgeMax", "--edge-max"},
+      {"edgeError", "--edge-error"},
+      {"detailSample", "--detail-sample"},
+      {"detailError", "--detail-error"},
+      {"cornersMax", "--corners"},
+      {"tile", "--tile"},
+      {"metresPerUnit", "--unit"},
+  };
+  if (error.code != ErrorCode::kSettingOutOfRange) return error;
+  const auto replace = [&](std::size_t at, std::string_view name, std::string_view option) {
+    error.message.replace(at, name.size(), option);
+  };
+  for (const auto& [name, option] : kNames) {
+    const std::string isWhat = fmt::format("{} is ", name);
+    if (error.message.rfind(isWhat, 0) == 0) {
+      replace(0, name, option);
+    } else if (const auto at = error.message.find(": " + isWhat); at != std::string::npos) {
+      replace(at + 2, name, option);
+    }
+    if (const auto at = error.message.find(fmt::format("with {} ", name)); at != std::string::npos)
+      replace(at + 5, name, option);
+  }
+  return error;
+}
+
+}  // namespace
 
 tl::expected<navmesh::NavMesh, Error> loadNavMesh(const SceneOptions& options) {
   if (service::isBuiltNavMesh(options.scene)) {
@@ -77,6 +120,12 @@ tl::expected<navmesh::NavMesh, Error> loadNavMesh(const SceneOptions& options) {
   navmesh::ImportSettings import = options.import;
   import.up = options.up == "z" ? navmesh::UpAxis::kZ : navmesh::UpAxis::kY;
   navmesh::BuildSettings build = options.build;
+  if (!(options.slopeDegrees >= 0.0f && options.slopeDegrees < 90.0f)) {
+    return tl::unexpected(Error{
+        ErrorCode::kSettingOutOfRange,
+        fmt::format("--slope-deg is {:g} degrees, it must be 0 or more, and less than 90 degrees.",
+                    options.slopeDegrees)});
+  }
   // The default stays the default to the last bit.
   if (options.slopeDegrees != 45.0f) build.slope = glm::radians(options.slopeDegrees);
   build.partition = options.partition == "monotone" ? navmesh::Partition::kMonotone
@@ -86,7 +135,7 @@ tl::expected<navmesh::NavMesh, Error> loadNavMesh(const SceneOptions& options) {
   navmesh::BuildRun run;
   run.forEach = service::onThreads(options.threads);
   run.progress = [&](std::size_t done, std::size_t total) { bar.update(done, total); };
-  return service::loadNavMesh(options.scene, import, build, run);
+  return service::loadNavMesh(options.scene, import, build, run).map_error(inOptionWords);
 }
 
 tl::expected<std::shared_ptr<const navmesh::World>, Error> loadWorld(const SceneOptions& options) {

@@ -35,6 +35,10 @@ tl::expected<service::LoadedSimulation, Error> load(const SimulateOptions& optio
 }
 
 tl::expected<void, Error> run(const SimulateOptions& options) {
+  refuseBothToStdout("--trace", options.trace, "--summary", options.summary);
+  for (const std::filesystem::path& file : {options.trace, options.summary}) {
+    if (auto writable = service::checkWritable(file); !writable) return writable;
+  }
   auto loaded = load(options);
   if (!loaded) return tl::unexpected(std::move(loaded.error()));
   loaded->config.keepFrames = !options.trace.empty();
@@ -47,7 +51,11 @@ tl::expected<void, Error> run(const SimulateOptions& options) {
   };
   const auto result = rdw::simulate(loaded->world, loaded->config, simulation);
   bar.reset();
-  if (!result) return tl::unexpected(result.error());
+  if (!result) {
+    // The simulation knows no file names.
+    return tl::unexpected(Error{result.error().code, fmt::format("{}: {}", options.config.string(),
+                                                                 result.error().message)});
+  }
   if (!options.trace.empty()) {
     if (auto written = service::writeFile(options.trace, rdw::traceCsv(result->frames)); !written) {
       return written;
@@ -75,9 +83,10 @@ Verb addSimulate(CLI::App& program) {
   verb->add_option("CONFIG", options->config,
                    "forewalk.simulation/1: scene, tracked space, limits, controller, user, seed")
       ->required();
-  verb->add_option("--trace", options->trace, "CSV to write, a row per frame; - is stdout");
-  verb->add_option("--summary", options->summary,
-                   "JSON to write, the walk in numbers; - is stdout");
+  verb->add_option("--trace", options->trace, "CSV to write, a row per frame; - is stdout")
+      ->check(fileName);
+  verb->add_option("--summary", options->summary, "JSON to write, the walk in numbers; - is stdout")
+      ->check(fileName);
   verb->add_flag("--untimed", options->untimed,
                  "Leave the times out, so that equal walks give equal files");
   verb->footer(

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -27,9 +29,19 @@ struct SweepOptions {
 tl::expected<void, Error> run(const SweepOptions& options) {
   service::SweepSettings settings;
   settings.horizons = parseSteps("--horizons", options.horizons);
+  if (const float farthest = *std::max_element(settings.horizons.begin(), settings.horizons.end());
+      farthest > 10000.0f) {
+    throw CLI::ValidationError("--horizons",
+                               fmt::format("{:g} m is out of range; give up to 10000 m", farthest));
+  }
   settings.starts = options.starts;
   settings.repeats = options.repeats;
   settings.seed = options.seed;
+  const std::string csv = options.out.string() + ".csv";
+  const std::string svg = options.out.string() + ".svg";
+  for (const std::string& file : {csv, svg}) {
+    if (auto writable = service::checkWritable(file); !writable) return writable;
+  }
   auto world = loadWorld(options.scene);
   if (!world) return tl::unexpected(std::move(world.error()));
   std::vector<service::SweepRow> rows;
@@ -38,8 +50,6 @@ tl::expected<void, Error> run(const SweepOptions& options) {
     rows = service::sweep((*world)->graph, settings,
                           [&](std::size_t done, std::size_t total) { bar.update(done, total); });
   }
-  const std::string csv = options.out.string() + ".csv";
-  const std::string svg = options.out.string() + ".svg";
   if (auto written = service::writeFile(csv, service::toCsv(rows)); !written) return written;
   if (auto written =
           service::writeFile(svg, service::toPlot(rows, options.scene.scene.stem().string()));
@@ -76,8 +86,16 @@ Verb addSweep(CLI::App& program) {
                    "How often each start is timed; its median counts")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  verb->add_option("--seed", options->seed, "Of the random starts")->capture_default_str();
+  verb->add_option("--seed", options->seed, "Of the random starts")
+      ->check(wholeNumber)
+      ->capture_default_str();
   verb->add_option("--out", options->out, "Where to write: OUT.csv and OUT.svg")
+      ->check([](const std::string& text) {
+        const std::filesystem::path last = std::filesystem::path(text).filename();
+        return last.empty() || last == "." || last == ".."
+                   ? fmt::format("\"{}\" ends in no name; OUT.csv and OUT.svg are made of it", text)
+                   : "";
+      })
       ->capture_default_str();
   verb->footer(
       "Example:\n"

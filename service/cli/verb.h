@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <glm/glm.hpp>
 #include <string>
@@ -24,6 +25,19 @@ Verb addPredict(CLI::App& program);
 Verb addSweep(CLI::App& program);
 Verb addSimulate(CLI::App& program);
 Verb addDemo(CLI::App& program);
+Verb addFit(CLI::App& program);
+Verb addEvaluate(CLI::App& program);
+
+/// For Option::check: why `text` is no whole number from 0 on, or "". (CLI11 lets -1 pass as the
+/// largest 64-bit number.)
+std::string wholeNumber(const std::string& text);
+
+/// For Option::check: why nothing can be written to `text`, or "".
+std::string fileName(const std::string& text);
+
+/// Throws CLI::ValidationError where two outputs of a verb both go to stdout.
+void refuseBothToStdout(const std::string& option, const std::filesystem::path& one,
+                        const std::string& other, const std::filesystem::path& two);
 
 /// Reads "x,y,z" in metres. Throws CLI::ValidationError naming `option`.
 glm::vec3 parsePosition(const std::string& option, const std::string& text);

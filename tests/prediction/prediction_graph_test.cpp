@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "navmesh/plan.h"
 #include "prediction/predict.h"
@@ -110,6 +112,74 @@ TEST(PredictionGraph, NamesTheBranchAheadWhereAllWaysShareIt) {
       predict(graph, {PolygonId{3}, graph.centroid[3], 0.0f, false}, 30.0f, scratch);
   EXPECT_EQ(branchAhead(there), kNoNode);
   EXPECT_EQ(there.terminals.size(), 3u);
+}
+
+/// How far below or above the surface of the corridor's polygons `point` lies, metres.
+float offTheGround(const NavGraph& graph, std::span<const PolygonId> corridor, glm::vec3 point) {
+  float nearest = 1e9f;
+  for (const PolygonId polygon : corridor) {
+    const glm::vec2 plan = navmesh::toPlan(point);
+    if (!navmesh::contains(graph, polygon, plan, 1e-3f)) continue;
+    nearest = std::min(nearest, std::abs(point.y - navmesh::heightAt(graph, polygon, plan)));
+  }
+  return nearest;
+}
+
+TEST(PredictionGraph, LiftsEveryEdgeOntoTheGround) {
+  testing::RandomMeshOptions rough;
+  rough.heights = 0.6f;
+  const NavGraph graph = *navmesh::makeNavGraph(testing::randomMesh(7, 12, 12, rough));
+  Scratch scratch(graph);
+  std::vector<std::uint32_t> portals;
+  std::vector<glm::vec3> lifted;
+  std::size_t bends = 0;
+  for (const navmesh::Location& start : testing::randomStarts(graph, 40, 7)) {
+    const PredictionGraph& found = predict(graph, start, 8.0f, scratch);
+    for (const Edge& edge : found.edges) {
+      liftEdge(graph, found, edge, portals, lifted);
+      const auto path = found.pathOf(edge);
+      ASSERT_GE(lifted.size(), path.size());
+      bends += lifted.size() - path.size();
+      std::size_t corner = 0;
+      for (const glm::vec3 point : lifted) {
+        if (corner < path.size() && navmesh::toPlan(point) == path[corner]) ++corner;
+      }
+      EXPECT_EQ(corner, path.size()) << "a corner of the path is missing";
+      for (std::size_t i = 1; i < lifted.size(); ++i) {
+        for (float share = 0.0f; share <= 1.0f; share += 0.125f) {
+          const glm::vec3 point = glm::mix(lifted[i - 1], lifted[i], share);
+          ASSERT_LT(offTheGround(graph, found.corridorOf(edge), point), 0.022f);
+        }
+      }
+    }
+  }
+  EXPECT_GT(bends, 1000u);
+}
+
+TEST(PredictionGraph, LiftsEdgesThroughWhicheverDoorJoinsTwoFloors) {
+  // A level floor and a ramp that begins where it ends, with a narrow and a wide door between them.
+  navmesh::PolygonMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {4, 0, 0},  {4, 0, -4},  {0, 0, -4},
+                   {4, 0, 0}, {12, 4, 0}, {12, 4, -4}, {4, 0, -4}};
+  mesh.ring = {0, 1, 2, 3, 4, 5, 6, 7};
+  mesh.ringStart = {0, 4, 8};
+  mesh.borderPortals = {{PolygonId{0}, PolygonId{1}, 1, 3, {4, 0, -0.5f}, {4, 0, -0.2f}},
+                        {PolygonId{0}, PolygonId{1}, 1, 3, {4, 0, -3.8f}, {4, 0, -1.5f}}};
+  const NavGraph graph = *navmesh::makeNavGraph(mesh);
+  Scratch scratch(graph);
+  std::vector<std::uint32_t> portals;
+  std::vector<glm::vec3> lifted;
+  for (const navmesh::Location& start : testing::randomStarts(graph, 50, 3)) {
+    const PredictionGraph& found = predict(graph, start, 20.0f, scratch);
+    ASSERT_EQ(found.edges.size(), 1u);
+    liftEdge(graph, found, found.edges[0], portals, lifted);
+    ASSERT_EQ(portals.size(), 1u);
+    EXPECT_EQ(graph.portalTo[portals[0]], start.polygon);
+    for (std::size_t i = 1; i < lifted.size(); ++i) {
+      const glm::vec3 middle = glm::mix(lifted[i - 1], lifted[i], 0.5f);
+      EXPECT_NEAR(middle.y, 0.5f * std::max(0.0f, middle.x - 4.0f), 0.021f);
+    }
+  }
 }
 
 }  // namespace

@@ -2,11 +2,10 @@
 // equal.
 #include <gmock/gmock.h>
 
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include "tests/support/random_mesh.h"
+#include "tests/support/readme.h"
 
 // clang-format off
 #include "prediction/predict.h"
@@ -24,13 +23,6 @@ float metresToTheNextChoice(const navmesh::NavGraph& graph, const navmesh::Locat
 
 namespace {
 
-std::string contentsOf(const std::string& file) {
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 TEST(PredictionReadme, MeasuresTheWayToTheCrossing) {
   // A plus of five squares, entered from the end of a sixth.
   const navmesh::PolygonMesh grid = forewalk::testing::gridMesh(4, 3, 2.0f);
@@ -47,12 +39,10 @@ TEST(PredictionReadme, MeasuresTheWayToTheCrossing) {
 }
 
 TEST(PredictionReadme, ShowsTheExampleThatIsCompiledHere) {
-  const std::string readme = contentsOf(FOREWALK_SOURCE "/prediction/README.md");
-  const std::size_t begin = readme.find("```cpp\n");
-  ASSERT_NE(begin, std::string::npos);
-  const std::size_t first = begin + std::string("```cpp\n").size();
+  using forewalk::testing::contentsOf;
   EXPECT_THAT(contentsOf(FOREWALK_SOURCE "/tests/prediction/prediction_readme_test.cpp"),
-              ::testing::HasSubstr(readme.substr(first, readme.find("```", first) - first)));
+              ::testing::HasSubstr(
+                  forewalk::testing::firstExampleIn(FOREWALK_SOURCE "/prediction/README.md")));
 }
 
 }  // namespace

@@ -125,6 +125,67 @@ TEST_F(Cli, RefusesWrongUsageOfEveryVerbInOneLine) {
   expectRefusal(run("demo --metres -5"), 2, "--metres");
 }
 
+TEST_F(Cli, SaysWhatWasTypedAndNotHowItIsParsed) {
+  expectRefusal(run("fly"), 2, "there is no verb \"fly\"");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --speed 3"), 2, "there is no option --speed");
+  expectRefusal(run("predict rooms.obj --at 2 0 2"), 2, "\"0\" is one word too many");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --horizon ten"), 2, "\"ten\" is no number");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --horizon"), 2, "--horizon needs a value");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --at 3,0,2"), 2, "--at is given 2 times");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --horizon nan"), 2, "nan m is out of range");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --heading-deg nan"), 2, "nan is no number");
+  expectRefusal(run("predict '' --at 2,0,2"), 2, "SCENE: the name is empty");
+  expectRefusal(run("sweep rooms.obj --seed -1"), 2, "\"-1\" is no whole number");
+  expectRefusal(run("sweep rooms.obj --seed 99999999999999999999"), 2, "64 bits");
+  expectRefusal(run("sweep rooms.obj --horizons 5,20000"), 2, "20000 m is out of range");
+  expectRefusal(run("sweep rooms.obj --out sub/"), 2, "\"sub/\" ends in no name");
+  expectRefusal(run("build rooms.obj --corners -1 --out a.fwmesh"), 2, "\"-1\" is no whole number");
+  expectRefusal(run("demo --metres nan"), 2, "nan is out of range");
+}
+
+TEST_F(Cli, NamesTheOptionOfASettingThatCannotWork) {
+  for (const std::string setting :
+       {"--radius -1", "--height 0", "--climb -1", "--slope-deg 95", "--slope-deg nan", "--cell 0",
+        "--cell 1e-9", "--cell-height nan", "--region-min -1", "--region-merge -1", "--edge-max -1",
+        "--edge-error nan", "--detail-sample -1", "--detail-error -1", "--corners 9", "--tile -3",
+        "--tile 0.01", "--unit 0"}) {
+    SCOPED_TRACE(setting);
+    const std::string option = setting.substr(0, setting.find(' '));
+    expectRefusal(run("build rooms.obj --out a.fwmesh " + setting), 1, option + " is ");
+  }
+}
+
+TEST_F(Cli, WritesNothingUnderANameThatSaysSomethingElse) {
+  const std::string scene = contents("rooms.obj");
+  expectRefusal(run("build rooms.obj --out rooms.obj"), 2, ".fwmesh");
+  EXPECT_EQ(contents("rooms.obj"), scene);
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --out plan.png"), 2, "--format");
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --format SVG"), 2, "svg");
+  ASSERT_EQ(run("predict rooms.obj --at 2,0,2 --format svg --out plan.txt").status, 0);
+  ASSERT_EQ(run("predict rooms.obj --at 2,0,2 --out plan.SVG").status, 0);
+  EXPECT_THAT(contents("plan.SVG"), HasSubstr("</svg>"));
+  EXPECT_EQ(contents("plan.SVG"), contents("plan.txt"));
+  expectRefusal(run("build rooms.obj --out - --dump -"), 2, "both stdout");
+  expectRefusal(run("simulate walk.json --trace - --summary -"), 2, "both stdout");
+}
+
+TEST_F(Cli, FindsOutBeforeTheWorkThatItCannotBeSaved) {
+  writeTo(folder_ / "file", "");
+  // The scenes are missing as well, but what cannot be written is said first.
+  expectRefusal(run("build missing.obj --out file/a.fwmesh"), 1, "file/a.fwmesh");
+  expectRefusal(run("build missing.obj --out a.fwmesh --dump file/a.json"), 1, "file/a.json");
+  expectRefusal(run("predict missing.obj --at 2,0,2 --out file/a.svg"), 1, "file/a.svg");
+  expectRefusal(run("sweep missing.obj --out file/a"), 1, "file/a.csv");
+  expectRefusal(run("simulate missing.json --trace file/t.csv"), 1, "file/t.csv");
+  expectRefusal(run("simulate missing.json --summary file/s.json"), 1, "file/s.json");
+  expectRefusal(run("demo --scene missing.obj --out file/out"), 1, "file/out");
+  EXPECT_FALSE(fs::exists(folder_ / "a.fwmesh"));
+  // And finding out leaves what is there as it is.
+  writeTo(folder_ / "kept.fwmesh", "kept");
+  expectRefusal(run("build missing.obj --out kept.fwmesh"), 1, "missing.obj");
+  EXPECT_EQ(contents("kept.fwmesh"), "kept");
+}
+
 TEST_F(Cli, RefusesScenesThatCannotBeRead) {
   writeTo(folder_ / "empty.obj", "");
   writeTo(folder_ / "broken.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 9\n");
@@ -271,6 +332,10 @@ TEST_F(Cli, RefusesSimulationsThatCannotBe) {
       folder_ / "scene.json",
       R"({"format": "forewalk.simulation/1", "scene": "missing.obj", "user": {"kind": "wander"}})");
   expectRefusal(run("simulate scene.json --trace t.csv"), 1, "missing.obj");
+  writeTo(
+      folder_ / "endless.json",
+      R"({"format": "forewalk.simulation/1", "scene": "rooms.obj", "user": {"kind": "wander"}})");
+  expectRefusal(run("simulate endless.json"), 1, "endless.json: stop");
 }
 
 TEST_F(Cli, DemonstratesOnAnyScene) {
