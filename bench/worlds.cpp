@@ -41,12 +41,16 @@ navmesh::Scene repeated(const navmesh::Scene& scene, int columns, int rows) {
 
 }  // namespace
 
+navmesh::Scene sceneOf(const std::string& sceneFile, int columns, int rows) {
+  navmesh::Scene scene = orAbort(navmesh::importScene(std::filesystem::path(sceneFile)));
+  return columns * rows > 1 ? repeated(scene, columns, rows) : scene;
+}
+
 World buildWorld(const std::string& name, const std::string& sceneFile,
                  const navmesh::BuildSettings& settings, int columns, int rows) {
   World world;
   world.name = name;
-  navmesh::Scene scene = orAbort(navmesh::importScene(std::filesystem::path(sceneFile)));
-  if (columns * rows > 1) scene = repeated(scene, columns, rows);
+  const navmesh::Scene scene = sceneOf(sceneFile, columns, rows);
   world.tiles = orAbort(navmesh::buildTiles(scene, settings));
   world.mesh = orAbort(navmesh::polygonsFromTiles(world.tiles, settings.climb, name));
   world.graph = orAbort(navmesh::makeNavGraph(world.mesh));

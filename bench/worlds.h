@@ -22,7 +22,10 @@ struct World {
 /// shared data is found. Aborts with the message where one cannot be built.
 std::vector<World> bundledWorlds();
 
-/// `columns * rows` copies of the scene side by side, a metre apart.
+/// `columns * rows` copies of the scene in a file side by side, a metre apart. Aborts as above.
+navmesh::Scene sceneOf(const std::string& sceneFile, int columns = 1, int rows = 1);
+
+/// The same, built.
 World buildWorld(const std::string& name, const std::string& sceneFile,
                  const navmesh::BuildSettings& settings, int columns = 1, int rows = 1);
 

@@ -1,0 +1,87 @@
+#include "prediction/cell_mesh.h"
+
+#include <utility>
+
+namespace forewalk::prediction {
+namespace {
+
+using navmesh::kNoPolygon;
+using navmesh::NavGraph;
+
+class CellMeshMaker {
+ public:
+  CellMeshMaker(const NavGraph& graph, const PortalEnds& ends) : graph_(graph), ends_(ends) {
+    mesh_.plan = ends.plan;
+    mesh_.edgeOfPortal.assign(graph.portalCount(), kNone);
+  }
+
+  CellMesh make() {
+    for (std::uint32_t p = 0; p < graph_.polygonCount(); ++p) addPolygon(PolygonId{p});
+    return std::move(mesh_);
+  }
+
+ private:
+  void addPolygon(PolygonId polygon) {
+    const std::span<const glm::vec2> ring = graph_.ringOf(polygon);
+    const std::uint32_t begin = graph_.portalStart[index(polygon)];
+    const std::uint32_t end = graph_.portalStart[index(polygon) + 1];
+    ringVertex_.assign(ring.size(), kNone);
+    for (std::uint32_t h = begin; h < end; ++h) {
+      const std::size_t edge = graph_.portalEdge[h];
+      const std::size_t next = (edge + 1) % ring.size();
+      const PortalEnds::Pair& pair = ends_.ofPortal[h];
+      if (meets(graph_.portals[h].right, ring[edge])) ringVertex_[edge] = pair.right;
+      if (meets(graph_.portals[h].left, ring[next])) ringVertex_[next] = pair.left;
+    }
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      if (ringVertex_[i] != kNone) continue;
+      ringVertex_[i] = static_cast<std::uint32_t>(mesh_.plan.size());
+      mesh_.plan.push_back(ring[i]);
+    }
+    std::uint32_t h = begin;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      std::uint32_t at = ringVertex_[i];
+      for (; h < end && graph_.portalEdge[h] == i; ++h) {
+        const PortalEnds::Pair& pair = ends_.ofPortal[h];
+        if (pair.left == pair.right) continue;
+        addWall(polygon, at, pair.right);
+        addPortal(polygon, h);
+        at = pair.left;
+      }
+      addWall(polygon, at, ringVertex_[(i + 1) % ring.size()]);
+    }
+    mesh_.cornerStart.push_back(static_cast<std::uint32_t>(mesh_.corners.size()));
+  }
+
+  /// Corners of rings and ends of portals on them differ by rounding at most.
+  static bool meets(glm::vec2 end, glm::vec2 corner) { return glm::distance(end, corner) < 1e-4f; }
+
+  void addWall(PolygonId polygon, std::uint32_t from, std::uint32_t to) {
+    if (from == to) return;
+    mesh_.corners.push_back({from, static_cast<std::uint32_t>(mesh_.edges.size()), true});
+    mesh_.edges.push_back({from, to, polygon, kNoPolygon});
+  }
+
+  void addPortal(PolygonId polygon, std::uint32_t h) {
+    const PortalEnds::Pair& pair = ends_.ofPortal[h];
+    const std::uint32_t twinEdge = mesh_.edgeOfPortal[graph_.portalTwin[h]];
+    const bool first = twinEdge == kNone;
+    const std::uint32_t edge = first ? static_cast<std::uint32_t>(mesh_.edges.size()) : twinEdge;
+    if (first) mesh_.edges.push_back({pair.right, pair.left, polygon, graph_.portalTo[h]});
+    mesh_.edgeOfPortal[h] = edge;
+    mesh_.corners.push_back({pair.right, edge, first});
+  }
+
+  const NavGraph& graph_;
+  const PortalEnds& ends_;
+  CellMesh mesh_;
+  std::vector<std::uint32_t> ringVertex_;  // per ring corner of the polygon at hand
+};
+
+}  // namespace
+
+CellMesh makeCellMesh(const NavGraph& graph, const PortalEnds& ends) {
+  return CellMeshMaker(graph, ends).make();
+}
+
+}  // namespace forewalk::prediction

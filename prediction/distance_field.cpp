@@ -1,0 +1,598 @@
+#include "prediction/distance_field.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "navmesh/plan.h"
+
+namespace forewalk::prediction {
+
+using glm::dvec2;
+using navmesh::KeyQueue;
+using navmesh::NavGraph;
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+/// How far apart rounding may put two ends that are one; metres.
+float roundingOf(const NavGraph& graph) {
+  float extent = 1.0f;
+  for (const glm::vec2 corner : graph.ring) {
+    extent = std::max({extent, std::abs(corner.x), std::abs(corner.y)});
+  }
+  return 4 * std::numeric_limits<float>::epsilon() * extent;
+}
+
+/// Finds out which portal ends are one. Slot 2h is the left end of half-portal h, 2h + 1 the right.
+class EndWelder {
+ public:
+  explicit EndWelder(const NavGraph& graph)
+      : graph_(graph), tolerance_(roundingOf(graph)), above_(2 * graph.portalCount()) {
+    for (std::uint32_t slot = 0; slot < above_.size(); ++slot) above_[slot] = slot;
+  }
+
+  PortalEnds weld() {
+    for (std::uint32_t h = 0; h < graph_.portalCount(); ++h) {
+      const std::uint32_t twin = graph_.portalTwin[h];
+      unite(leftOf(h), rightOf(twin));
+      unite(rightOf(h), leftOf(twin));
+      if (graph_.portals[h].left == graph_.portals[h].right) unite(leftOf(h), rightOf(h));
+    }
+    for (std::uint32_t p = 0; p < graph_.polygonCount(); ++p) uniteWithin(p);
+    number();
+    for (std::uint32_t p = 0; p < graph_.polygonCount(); ++p) addAngles(p);
+    judge();
+    return std::move(ends_);
+  }
+
+ private:
+  static std::uint32_t leftOf(std::uint32_t h) { return 2 * h; }
+  static std::uint32_t rightOf(std::uint32_t h) { return 2 * h + 1; }
+  glm::vec2 planOf(std::uint32_t slot) const {
+    const navmesh::Portal& portal = graph_.portals[slot / 2];
+    return slot % 2 == 0 ? portal.left : portal.right;
+  }
+  bool same(glm::vec2 a, glm::vec2 b) const { return glm::distance(a, b) <= tolerance_; }
+
+  std::uint32_t find(std::uint32_t slot) {
+    while (above_[slot] != slot) slot = above_[slot] = above_[above_[slot]];
+    return slot;
+  }
+  void unite(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    above_[std::max(a, b)] = std::min(a, b);
+  }
+
+  /// The half-portal after `h` around its polygon, counter-clockwise.
+  std::uint32_t after(std::uint32_t polygon, std::uint32_t h) const {
+    return h + 1 < graph_.portalStart[polygon + 1] ? h + 1 : graph_.portalStart[polygon];
+  }
+
+  /// Portals one after the other around a polygon share an end where no wall lies between them.
+  void uniteWithin(std::uint32_t polygon) {
+    for (std::uint32_t h = graph_.portalStart[polygon]; h < graph_.portalStart[polygon + 1]; ++h) {
+      const std::uint32_t next = after(polygon, h);
+      if (next != h && same(graph_.portals[h].left, graph_.portals[next].right)) {
+        unite(leftOf(h), rightOf(next));
+      }
+    }
+  }
+
+  void number() {
+    const std::uint32_t portals = graph_.portalCount();
+    std::vector<std::uint32_t> idOf(above_.size());
+    for (std::uint32_t slot = 0; slot < above_.size(); ++slot) {
+      const std::uint32_t first = find(slot);
+      if (first == slot) {
+        idOf[slot] = ends_.count();
+        ends_.plan.push_back(planOf(slot));
+        const navmesh::PortalHeights& heights = graph_.portalHeights[slot / 2];
+        ends_.height.push_back(slot % 2 == 0 ? heights.left : heights.right);
+      } else {
+        idOf[slot] = idOf[first];
+      }
+    }
+    ends_.walls.assign(ends_.count(), {});
+    angle_.assign(ends_.count(), 0.0);
+    border_.assign(ends_.count(), 0);
+    moved_.assign(ends_.count(), 0);
+    pinch_.assign(ends_.count(), 0);
+    for (std::uint32_t h = 0; h < portals; ++h) {
+      const PortalEnds::Pair pair{idOf[leftOf(h)], idOf[rightOf(h)]};
+      ends_.ofPortal.push_back(pair);
+      if (graph_.portals[h].left != ends_.plan[pair.left]) moved_[pair.left] = 1;
+      if (graph_.portals[h].right != ends_.plan[pair.right]) moved_[pair.right] = 1;
+      if (pair.left == pair.right) pinch_[pair.left] = 1;
+    }
+  }
+
+  /// The walkable angle of a polygon at one of its portal ends, and the ring corners on its two
+  /// sides there. `corner` is the corner at the end of the portal's edge that the portal's end may
+  /// coincide with.
+  struct Inside {
+    double angle;
+    glm::vec2 next, previous;  // along the ring
+  };
+  Inside insideAt(std::span<const glm::vec2> ring, glm::vec2 end, std::uint32_t edge,
+                  std::size_t corner) const {
+    const std::size_t n = ring.size();
+    if (!same(end, ring[corner])) return {kPi, ring[(edge + 1) % n], ring[edge]};
+    const glm::vec2 next = ring[(corner + 1) % n];
+    const glm::vec2 previous = ring[(corner + n - 1) % n];
+    const dvec2 in = dvec2(previous) - dvec2(ring[corner]);
+    const dvec2 out = dvec2(next) - dvec2(ring[corner]);
+    if (in == dvec2(0.0) || out == dvec2(0.0)) return {kPi, next, previous};
+    const double angle = std::atan2(cross(out, in), glm::dot(out, in));
+    // Rounding may turn a straight corner inward a little, and the tip of a sliver inside out.
+    return {angle < -0.5 * kPi ? angle + 2 * kPi : std::abs(angle), next, previous};
+  }
+
+  void addAngles(std::uint32_t polygon) {
+    const std::span<const glm::vec2> ring = graph_.ringOf(PolygonId{polygon});
+    for (std::uint32_t h = graph_.portalStart[polygon]; h < graph_.portalStart[polygon + 1]; ++h) {
+      const std::uint32_t edge = graph_.portalEdge[h];
+      const std::uint32_t left = ends_.ofPortal[h].left;
+      const Inside atLeft = insideAt(ring, graph_.portals[h].left, edge, (edge + 1) % ring.size());
+      angle_[left] += atLeft.angle;
+      const std::uint32_t next = after(polygon, h);
+      const std::uint32_t right = ends_.ofPortal[next].right;
+      if (right == left) continue;
+      // A wall between them: seen from inside, it begins at the left end of the one, and ends at
+      // the right end of the other.
+      const std::uint32_t nextEdge = graph_.portalEdge[next];
+      const Inside atRight = insideAt(ring, graph_.portals[next].right, nextEdge, nextEdge);
+      angle_[right] += atRight.angle;
+      border_[left] = border_[right] = 1;
+      ends_.walls[left].first = atLeft.next;
+      ends_.walls[right].last = atRight.previous;
+    }
+  }
+
+  void judge() {
+    for (std::uint32_t end = 0; end < ends_.count(); ++end) {
+      // Too many bends only cost time, too few lose ways. Built meshes are full of walls that are
+      // exactly straight; where ends were moved, there is no exactly.
+      using Kind = PortalEnds::Kind;
+      constexpr double kNearly = 1e-3;
+      const bool bend = border_[end] && angle_[end] > kPi + (moved_[end] ? -kNearly : 1e-12);
+      const bool plain = !moved_[end] && angle_[end] < 2 * kPi - kNearly;
+      ends_.kind.push_back(pinch_[end]     ? Kind::kPinch
+                           : bend && plain ? Kind::kBend
+                           : bend          ? Kind::kKnot
+                                           : Kind::kOpen);
+      ends_.bendCount += bend || pinch_[end] ? 1 : 0;
+    }
+  }
+
+  const NavGraph& graph_;
+  float tolerance_;
+  std::vector<std::uint32_t> above_;
+  PortalEnds ends_;
+  // Per end:
+  std::vector<double> angle_;  // walkable, radians
+  std::vector<char> border_;   // some wall begins here
+  std::vector<char> moved_;    // some portal was a little off
+  std::vector<char> pinch_;
+};
+
+dvec2 rayTo(glm::vec2 point, dvec2 root) { return dvec2(point) - root; }
+
+double distanceToSegment(dvec2 a, dvec2 b) {
+  const dvec2 ab = b - a;
+  const double squared = glm::dot(ab, ab);
+  const double share = squared > 0.0 ? std::clamp(-glm::dot(a, ab) / squared, 0.0, 1.0) : 0.0;
+  return glm::length(a + share * ab);
+}
+
+}  // namespace
+
+PortalEnds makePortalEnds(const NavGraph& graph) { return EndWelder(graph).weld(); }
+
+DistanceField::DistanceField(const NavGraph& graph, const PortalEnds& ends,
+                             const DistanceLimits& limits)
+    : graph_(&graph), ends_(&ends), tolerance_(static_cast<double>(roundingOf(graph))) {
+  const std::size_t windows = std::max(1u, limits.windows);
+  const std::size_t bends = std::min<std::size_t>(ends.bendCount, windows);
+  corners_.reserve(bends + 1);
+  cornerDistance_.reserve(bends + 1);
+  windows_.resize(windows);
+  first_.assign(graph.polygonCount(), kNone);
+  reached_.resize(std::min<std::size_t>(graph.polygonCount(), windows));
+  states_.resize(ends.count());
+  touched_.resize(ends.count());
+  // Improved corners are pushed again; when the queue is full, what is stale is thrown out.
+  queue_.reserve(4 * bends + 64);
+}
+
+void DistanceField::reset() {
+  for (std::uint32_t i = 0; i < touchedCount_; ++i) states_[touched_[i]] = EndState{};
+  for (std::uint32_t i = 0; i < reachedCount_; ++i) first_[index(reached_[i])] = kNone;
+  touchedCount_ = reachedCount_ = windowCount_ = 0;
+  corners_.clear();
+  cornerDistance_.clear();
+  queue_.clear();
+  limitReached_ = false;
+}
+
+/// The place of one more window of the polygon, or kNone where there is none left.
+std::uint32_t DistanceField::newWindow(PolygonId polygon) {
+  if (windowCount_ == windows_.size()) {
+    limitReached_ = true;
+    return kNone;
+  }
+  // Field by field into its place: built aside and copied, it would wait for the store buffer.
+  std::uint32_t& first = first_[index(polygon)];
+  if (first == kNone) reached_[reachedCount_++] = polygon;
+  Window& window = windows_[windowCount_];
+  window.polygon = polygon;
+  window.corner = rootCorner_;
+  window.next = first;
+  return first = windowCount_++;
+}
+
+void DistanceField::pushWhole(PolygonId polygon) {
+  const std::uint32_t window = newWindow(polygon);
+  if (window != kNone) windows_[window].portal = kNone;
+}
+
+/// Whether a better way to the end has been found since, or it is settled.
+bool DistanceField::isStale(KeyQueue::Entry entry) const {
+  const EndState& state = states_[index(KeyQueue::polygonOf(entry))];
+  return state.corner != kNone || KeyQueue::keyOf(entry) != static_cast<float>(state.distance);
+}
+
+void DistanceField::pushEntry(KeyQueue::Entry entry) {
+  if (queue_.size() == queue_.capacity()) {
+    const std::size_t count = queue_.size();
+    queue_.clear();
+    for (std::size_t i = 0; i < count; ++i) {  // entries move to the front only: none is lost
+      const KeyQueue::Entry old = queue_.at(i);
+      const EndState& state = states_[index(KeyQueue::polygonOf(old))];
+      const bool stale =
+          state.corner != kNone || KeyQueue::keyOf(old) != static_cast<float>(state.distance);
+      if (!stale) queue_.push(old);
+    }
+    if (queue_.size() == queue_.capacity()) {
+      limitReached_ = true;
+      return;
+    }
+  }
+  queue_.push(entry);
+}
+
+DistanceField::Bends DistanceField::bendsAt(std::uint32_t end, dvec2 arrival) const {
+  if (ends_->kind[end] != PortalEnds::Kind::kBend) return {true, true};
+  // To the left where one could not go on along the wall on the left without turning left.
+  const PortalEnds::Walls& walls = ends_->walls[end];
+  const dvec2 at(ends_->plan[end]);
+  return {cross(arrival, dvec2(walls.last) - at) > 0.0,
+          cross(arrival, dvec2(walls.first) - at) < 0.0};
+}
+
+/// A way by the root at hand, straight to a portal end that it sees, at last in `polygon`.
+void DistanceField::relax(const Sight& sight, std::uint32_t polygon) {
+  EndState& state = states_[sight.end];
+  const double distance = rootDistance_ + sight.length;
+  if (distance >= state.distance || state.corner != kNone) return;
+  if (state.root == kNone) touched_[touchedCount_++] = sight.end;
+  state.distance = distance;
+  state.root = rootCorner_;
+  state.polygon = polygon;
+  if (ends_->kind[sight.end] == PortalEnds::Kind::kOpen) return;
+  const float key = static_cast<float>(distance);
+  if (key > horizon_) return;
+  const Bends bends = bendsAt(sight.end, sight.ray);
+  if (bends.left || bends.right) pushEntry(KeyQueue::entryOf(key, PolygonId{sight.end}));
+}
+
+/// Whether rays that came in by the twin of `entry` and meet a portal at `a` and `b`, which lies
+/// along `along`, met it before they came in. No ray leaves a convex polygon by the line that it
+/// entered by. But where rounding has dented a polygon there, one that grazes the line might go
+/// round an end of the portals forever.
+bool DistanceField::goesBack(std::uint32_t entry, dvec2 along, dvec2 a, dvec2 b) const {
+  const dvec2 l = dvec2(ends_->plan[ends_->ofPortal[entry].left]) - root_;
+  const dvec2 r = dvec2(ends_->plan[ends_->ofPortal[entry].right]) - root_;
+  const dvec2 line = l - r;
+  const double parallel = glm::dot(line, along);
+  if (!(parallel > 0.0) || std::abs(cross(line, along)) > 0.1 * parallel) return false;
+  const auto before = [&](dvec2 point) {
+    const double fromR = cross(r, point), fromL = cross(l, point);
+    if (fromR == fromL) return false;
+    const dvec2 entered = r + fromR / (fromR - fromL) * line;
+    return glm::dot(point, point) < (1 - 1e-9) * glm::dot(entered, point);
+  };
+  return before(a) || before(b);
+}
+
+/// Sends the window between `left` and `right` on through `portal`, narrowed by its ends `l` and
+/// `r`, unless nothing of it is within the horizon or a way by one of the ends beats it.
+void DistanceField::pass(std::uint32_t portal, std::uint32_t entry, const Sight& l, const Sight& r,
+                         dvec2 left, dvec2 right) {
+  // Where the rays meet the portal; its own ends where it is seen so far.
+  dvec2 a = l.ray, b = r.ray;
+  double toA = l.length, toB = r.length;
+  const dvec2 along = l.ray - r.ray;
+  if (l.fromLeft < 0.0) {
+    a = r.ray + r.fromLeft / (r.fromLeft - l.fromLeft) * along;
+    toA = glm::length(a);
+  } else {
+    left = l.ray;
+  }
+  if (r.fromRight < 0.0) {
+    b = l.ray - l.fromRight / (l.fromRight - r.fromRight) * along;
+    toB = glm::length(b);
+  } else {
+    right = r.ray;
+  }
+  if (cross(right, left) <= 0.0) return;
+
+  const double reach = static_cast<double>(horizon_) - rootDistance_;
+  if (toA > reach && toB > reach && distanceToSegment(a, b) > reach) return;
+
+  // Beaten at the far end of the interval by the way by the near one, it is beaten everywhere.
+  constexpr double kSlack = 1e-7;
+  const auto beaten = [&](const Sight& by, dvec2 far, double toFar) {
+    const double spare = rootDistance_ + toFar - states_[by.end].distance - kSlack;
+    const dvec2 between = far - by.ray;
+    return spare > 0.0 && spare * spare > glm::dot(between, between);
+  };
+  if (beaten(l, b, toB) || beaten(r, a, toA)) return;
+  if (entry != kNone && goesBack(entry, along, a, b)) return;
+  const std::uint32_t window = newWindow(graph_->portalTo[portal]);
+  if (window == kNone) return;
+  windows_[window].left = left;
+  windows_[window].right = right;
+  windows_[window].portal = portal;
+}
+
+/// What the root at hand sees of a polygon, and of those beyond its portals, but for `entry`.
+/// `bounds` sets on which side of the rays an end lies.
+template <typename Bounds>
+void DistanceField::lookOut(std::uint32_t polygon, std::uint32_t entry, dvec2 left, dvec2 right,
+                            const Bounds& bounds) {
+  // Portals side by side share an end: it is looked at once. Two places in turn, never copied.
+  Sight sights[2];
+  Sight* l = &sights[0];
+  Sight* r = &sights[1];
+  l->end = kNone;
+  const auto see = [&](Sight& sight, std::uint32_t end) {
+    const dvec2 ray = dvec2(ends_->plan[end]) - root_;
+    sight.end = end;
+    sight.ray = ray;
+    bounds(sight, ray);
+    if (sight.fromLeft >= 0.0 && sight.fromRight >= 0.0) {
+      sight.length = glm::length(ray);
+      if (rootDistance_ + sight.length < states_[end].distance) relax(sight, polygon);
+    }
+  };
+  const std::uint32_t end = graph_->portalStart[polygon + 1];
+  for (std::uint32_t h = graph_->portalStart[polygon]; h < end; ++h) {
+    if (h == entry) continue;
+    const PortalEnds::Pair ends = ends_->ofPortal[h];
+    std::swap(l, r);
+    if (ends.right != r->end) see(*r, ends.right);
+    see(*l, ends.left);
+    if (l->fromRight > 0.0 && r->fromLeft > 0.0) pass(h, entry, *l, *r, left, right);
+  }
+}
+
+void DistanceField::look(const Window& window) {
+  const dvec2 left = window.left, right = window.right;
+  lookOut(index(window.polygon), graph_->portalTwin[window.portal], left, right,
+          [left, right](Sight& sight, dvec2 ray) {
+            sight.fromRight = cross(right, ray);
+            sight.fromLeft = cross(ray, left);
+          });
+}
+
+// What the root sees of a polygon that touches it: all, or only what lies to the left (or right) of
+// the way that came to it, prolonged.
+
+void DistanceField::seeWhole(std::uint32_t polygon) {
+  pushWhole(PolygonId{polygon});
+  lookOut(polygon, kNone, {}, {},
+          [](Sight& sight, dvec2) { sight.fromLeft = sight.fromRight = 1.0; });
+}
+
+void DistanceField::seeLeftOf(dvec2 arrival, std::uint32_t polygon) {
+  pushWhole(PolygonId{polygon});
+  lookOut(polygon, kNone, {}, arrival, [arrival](Sight& sight, dvec2 ray) {
+    sight.fromRight = cross(arrival, ray);
+    sight.fromLeft = 1.0;
+  });
+}
+
+void DistanceField::seeRightOf(dvec2 arrival, std::uint32_t polygon) {
+  pushWhole(PolygonId{polygon});
+  lookOut(polygon, kNone, arrival, {}, [arrival](Sight& sight, dvec2 ray) {
+    sight.fromLeft = cross(ray, arrival);
+    sight.fromRight = 1.0;
+  });
+}
+
+/// Sends on all windows from `begin`, and those that come of them.
+void DistanceField::spread(std::uint32_t begin) {
+  for (std::uint32_t i = begin; i < windowCount_ && !limitReached_; ++i) {
+    if (windows_[i].portal == kNone) continue;  // sent on where it was made
+    look(windows_[i]);
+  }
+}
+
+void DistanceField::startFrom(const navmesh::Location& source) {
+  root_ = dvec2(source.plan);
+  rootDistance_ = 0.0;
+  rootCorner_ = 0;
+  corners_.push_back({source.plan, source.height, 0.0f, 0});
+  cornerDistance_.push_back(0.0);
+
+  // Somebody who stands on a portal sees both its sides, whole.
+  pushWhole(source.polygon);
+  for (std::uint32_t i = 0; i < windowCount_ && !limitReached_; ++i) {
+    const std::uint32_t p = index(windows_[i].polygon);
+    for (std::uint32_t h = graph_->portalStart[p]; h < graph_->portalStart[p + 1]; ++h) {
+      if (first_[index(graph_->portalTo[h])] != kNone) continue;
+      const PortalEnds::Pair ends = ends_->ofPortal[h];
+      if (distanceToSegment(rayTo(ends_->plan[ends.left], root_),
+                            rayTo(ends_->plan[ends.right], root_)) <= tolerance_) {
+        pushWhole(graph_->portalTo[h]);
+      }
+    }
+  }
+  const std::uint32_t whole = windowCount_;
+  for (std::uint32_t i = 0; i < whole; ++i) {
+    const std::uint32_t p = index(windows_[i].polygon);
+    for (std::uint32_t h = graph_->portalStart[p]; h < graph_->portalStart[p + 1]; ++h) {
+      const auto see = [&](std::uint32_t end) {
+        const dvec2 ray = rayTo(ends_->plan[end], root_);
+        const Sight sight{ray, 1.0, 1.0, glm::length(ray), end};
+        relax(sight, p);
+        return sight;
+      };
+      const Sight l = see(ends_->ofPortal[h].left);
+      const Sight r = see(ends_->ofPortal[h].right);
+      const PolygonId to = graph_->portalTo[h];
+      const bool into = std::none_of(windows_.begin(), windows_.begin() + whole,
+                                     [&](const Window& w) { return w.polygon == to; });
+      if (into) pass(h, kNone, l, r, {}, {});
+    }
+  }
+}
+
+/// Walks about the corner `end`, keeping it on the left (or right), up to the wall that the
+/// shortest paths bend around.
+void DistanceField::turnAbout(std::uint32_t end, bool leftwards, dvec2 arrival) {
+  const std::uint32_t start = states_[end].polygon;
+  const auto portalOn = [&](std::uint32_t polygon) {
+    for (std::uint32_t h = graph_->portalStart[polygon]; h < graph_->portalStart[polygon + 1];
+         ++h) {
+      const PortalEnds::Pair ends = ends_->ofPortal[h];
+      if ((leftwards ? ends.left : ends.right) == end) return h;
+    }
+    return kNone;
+  };
+  const auto beyond = [&](std::uint32_t portal) {
+    const PortalEnds::Pair ends = ends_->ofPortal[portal];
+    const dvec2 ray = rayTo(ends_->plan[leftwards ? ends.right : ends.left], root_);
+    const double side = cross(arrival, ray);
+    return leftwards ? side > 0.0 : side < 0.0;
+  };
+  bool clipped = arrival != dvec2(0.0);
+  for (std::uint32_t portal = portalOn(start); portal != kNone;) {
+    const std::uint32_t polygon = index(graph_->portalTo[portal]);
+    if (polygon == start) return;
+    clipped = clipped && !beyond(portal);
+    const std::uint32_t next = portalOn(polygon);
+    if (!clipped) {
+      seeWhole(polygon);
+    } else if (next == kNone || beyond(next)) {
+      leftwards ? seeLeftOf(arrival, polygon) : seeRightOf(arrival, polygon);
+    }
+    portal = next;
+  }
+}
+
+/// Through a pinch point one comes from any polygon into any other.
+void DistanceField::seeAllAbout(std::uint32_t end) {
+  const std::uint32_t begin = windowCount_;
+  const auto known = [&](std::uint32_t polygon) {
+    return std::any_of(
+        windows_.begin() + begin, windows_.begin() + windowCount_,
+        [&](const Window& w) { return w.portal == kNone && index(w.polygon) == polygon; });
+  };
+  seeWhole(states_[end].polygon);
+  for (std::uint32_t i = begin; i < windowCount_ && !limitReached_; ++i) {
+    if (windows_[i].portal != kNone) continue;
+    const std::uint32_t p = index(windows_[i].polygon);
+    for (std::uint32_t h = graph_->portalStart[p]; h < graph_->portalStart[p + 1]; ++h) {
+      const PortalEnds::Pair ends = ends_->ofPortal[h];
+      const std::uint32_t to = index(graph_->portalTo[h]);
+      if ((ends.left == end || ends.right == end) && !known(to)) {
+        seeWhole(to);
+      }
+    }
+  }
+}
+
+void DistanceField::settle(std::uint32_t end) {
+  EndState& state = states_[end];
+  const Corner& before = corners_[state.root];
+  state.corner = rootCorner_ = static_cast<std::uint32_t>(corners_.size());
+  root_ = dvec2(ends_->plan[end]);
+  rootDistance_ = state.distance;
+  const dvec2 arrival = root_ - dvec2(before.plan);
+  corners_.push_back(
+      {ends_->plan[end], ends_->height[end], static_cast<float>(state.distance), state.root});
+  cornerDistance_.push_back(state.distance);
+  if (state.distance <= tolerance_) return;  // where the user stands, who sees all around
+
+  const std::uint32_t begin = windowCount_;
+  if (ends_->kind[end] == PortalEnds::Kind::kPinch) {
+    seeAllAbout(end);
+  } else {
+    const Bends bends = bendsAt(end, arrival);
+    if (bends.left) turnAbout(end, true, arrival);
+    if (bends.right) turnAbout(end, false, arrival);
+  }
+  spread(begin);
+}
+
+void DistanceField::run(const navmesh::Location& source, float horizon) {
+  assert(index(source.polygon) < graph_->polygonCount());
+  reset();
+  horizon_ = completeTo_ = horizon;
+  startFrom(source);
+  spread(0);
+  while (!queue_.empty() && !limitReached_) {
+    const KeyQueue::Entry entry = queue_.top();
+    queue_.pop();
+    const std::uint32_t end = index(KeyQueue::polygonOf(entry));
+    if (isStale(entry)) continue;
+    if (corners_.size() == corners_.capacity()) {
+      limitReached_ = true;
+      rootDistance_ = states_[end].distance;
+      break;
+    }
+    settle(end);
+  }
+  if (limitReached_) completeTo_ = std::min(horizon, static_cast<float>(rootDistance_));
+}
+
+DistanceField::Way DistanceField::bestWay(PolygonId polygon, glm::vec2 point) const {
+  Way best{std::numeric_limits<double>::infinity(), kNone};
+  const auto consider = [&](double length, std::uint32_t corner) {
+    if (length < best.length) best = {length, corner};
+  };
+  const double squaredTolerance = tolerance_ * tolerance_;
+  for (std::uint32_t w = first_[index(polygon)]; w != kNone; w = windows_[w].next) {
+    const Window& window = windows_[w];
+    const dvec2 ray = rayTo(point, dvec2(corners_[window.corner].plan));
+    const auto inside = [&](double side, dvec2 bound) {
+      return side >= 0.0 || side * side <= squaredTolerance * glm::dot(bound, bound);
+    };
+    if (window.portal != kNone && !(inside(cross(ray, window.left), window.left) &&
+                                    inside(cross(window.right, ray), window.right))) {
+      continue;
+    }
+    consider(cornerDistance_[window.corner] + glm::length(ray), window.corner);
+  }
+  if (best.corner != kNone || first_[index(polygon)] == kNone) return best;
+  // In the shadow beyond the horizon, or of a gap between portals that is only rounding: by the
+  // ends of the portals that are known.
+  for (std::uint32_t h = graph_->portalStart[index(polygon)];
+       h < graph_->portalStart[index(polygon) + 1]; ++h) {
+    for (const std::uint32_t end : {ends_->ofPortal[h].left, ends_->ofPortal[h].right}) {
+      const EndState& state = states_[end];
+      if (state.root == kNone) continue;
+      consider(state.distance + glm::length(dvec2(point) - dvec2(ends_->plan[end])),
+               state.corner != kNone ? state.corner : state.root);
+    }
+  }
+  return best;
+}
+
+}  // namespace forewalk::prediction

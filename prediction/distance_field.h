@@ -1,0 +1,200 @@
+// Exact shortest-path distances from the user to everything within the horizon.
+//
+// Continuous Dijkstra on the navgraph: what a root sees is carried from polygon to polygon as
+// windows, as in Polyanya (Cui, Harabor and Grastien, IJCAI 2017) but without a target, or as in
+// exact discrete geodesics (Mitchell, Mount and Papadimitriou, SIAM J. Comput. 16, 1987; Chen and
+// Han 1990). Roots are the user and the corners of walls where shortest paths bend. A window that a
+// known way by one end of its portal beats everywhere is dropped (Xin and Wang, ACM TOG 28, 2009).
+//
+// We depart from them in two points. Only corners are queued, not windows: a corner that is
+// settled sends out all its windows at once. And a window keeps the two rays that bound it instead
+// of an interval: rays pass through corners, so that every turn is decided on given coordinates, in
+// double precision where it is exact, and windows side by side leave no gap between them.
+//
+// Lengths are horizontal metres (navmesh/nav_graph.h). Storeys may lie above each other: every step
+// is from polygon to polygon, nothing is looked up on the plan.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "navmesh/key_queue.h"
+#include "navmesh/nav_graph.h"
+#include "prediction/funnel_tree.h"
+#include "prediction/prediction_graph.h"
+
+namespace forewalk::prediction {
+
+/// The ends of all portals of a navgraph: which of them are one place that one can turn about, and
+/// which are corners where a shortest path may bend. Two places may have the same coordinates: on
+/// two storeys, or where walkable polygons touch without being joined. Made once, then only read.
+struct PortalEnds {
+  /// Ends of a half-portal as one walks out through it.
+  struct Pair {
+    std::uint32_t left, right;
+  };
+  enum class Kind : std::uint8_t {
+    kOpen,   ///< nothing bends here: walkable all around, or a wall that is straight or hollow
+    kBend,   ///< on the border, walkable over more than half a turn
+    kKnot,   ///< the same, but too thin, too wide or too rounded to be judged by `walls`
+    kPinch,  ///< a portal of no width: one passes from any polygon here into any other
+  };
+  /// A point on each of the two walls that meet in a bend: where the walkable area about it ends
+  /// counter-clockwise, and where it ends clockwise. Metres.
+  struct Walls {
+    glm::vec2 last, first;
+  };
+
+  std::vector<Pair> ofPortal;   ///< per half-portal
+  std::vector<glm::vec2> plan;  ///< per end, metres; the same for all portals that meet there
+  std::vector<float> height;    ///< per end, world y, metres
+  std::vector<Kind> kind;       ///< per end
+  std::vector<Walls> walls;     ///< per end; only bends have them
+  std::uint32_t bendCount = 0;  ///< ends that are not kOpen
+
+  std::uint32_t count() const { return static_cast<std::uint32_t>(plan.size()); }
+};
+
+/// O(n log n) in the half-portals. Ends of portals of one polygon that are closer than a few units
+/// in the last place are one (tile borders are cut in floats).
+PortalEnds makePortalEnds(const navmesh::NavGraph& graph);
+
+/// The part of a polygon that a root sees through the portal that it is entered by.
+struct Window {
+  glm::dvec2 left, right;  ///< the rays that bound it, from the root, any length; metres
+  PolygonId polygon;
+  std::uint32_t portal;  ///< half-portal into `polygon`; kNone: `polygon` touches the root and is
+                         ///< seen whole, whatever the rays
+  std::uint32_t corner;  ///< the root: index into corners()
+  std::uint32_t next;    ///< another window of the same polygon, or kNone
+};
+
+/// Sizes fixed at load, so that no frame allocates.
+struct DistanceLimits {
+  std::uint32_t windows = 32768;  ///< of one run, >= 1; 48 bytes each
+};
+
+/// Distances from one source, and what finding them needs from frame to frame. One per user; not
+/// shared between threads.
+class DistanceField {
+ public:
+  /// Sizes every buffer. `graph` and `ends`, made from it, must outlive this.
+  DistanceField(const navmesh::NavGraph& graph, const PortalEnds& ends,
+                const DistanceLimits& limits = {});
+
+  /// Finds all distances up to `horizon` metres (>= 0, finite) from `source` (a valid polygon,
+  /// `source.plan` in it). Costs O(windows + corners log corners) within the horizon, whatever the
+  /// size of the world; allocates nothing.
+  void run(const navmesh::Location& source, float horizon);
+
+  /// The source and all corners within the horizon by distance, each after the one before it on the
+  /// shortest path from the source. This and all below lives until the next run.
+  std::span<const Corner> corners() const { return corners_; }
+
+  /// All distances are known out to here, metres: the horizon, unless the limit was reached.
+  float completeTo() const { return completeTo_; }
+  bool limitReached() const { return limitReached_; }
+
+  /// Polygons of which some part is within the horizon, in the order they were reached; the
+  /// source's comes first. A polygon may be among them that lies beyond by less than rounding.
+  std::span<const PolygonId> polygons() const { return {reached_.data(), reachedCount_}; }
+
+  /// The first window of a polygon, or kNone where it was not reached; go on by Window::next.
+  std::uint32_t firstWindow(PolygonId polygon) const { return first_[index(polygon)]; }
+  std::span<const Window> windows() const { return {windows_.data(), windowCount_}; }
+
+  /// Length of the shortest path to `point`, which lies in `polygon`; metres. Exact up to
+  /// completeTo(). What is longer is the length of some path, and the point lies beyond; infinity
+  /// where the polygon was not reached. O(windows of the polygon).
+  float distanceAt(PolygonId polygon, glm::vec2 point) const {
+    return static_cast<float>(bestWay(polygon, point).length);
+  }
+
+  /// The last corner before `point` on that path, an index into corners(); kNone where the polygon
+  /// was not reached.
+  std::uint32_t cornerBefore(PolygonId polygon, glm::vec2 point) const {
+    return bestWay(polygon, point).corner;
+  }
+
+  /// distanceAt() an end of a portal (PortalEnds), already known: O(1). Infinity where it was not
+  /// reached.
+  float endDistance(std::uint32_t end) const { return static_cast<float>(states_[end].distance); }
+
+ private:
+  /// What is known of a portal end. Reset by walking what the last run touched, never cleared.
+  struct EndState {
+    double distance = std::numeric_limits<double>::infinity();  ///< of the best way so far
+    std::uint32_t root = kNone;     ///< the corner before it on that way
+    std::uint32_t polygon = kNone;  ///< the last polygon of that way
+    std::uint32_t corner = kNone;   ///< its own index in corners(), where it is settled
+  };
+  struct Way {
+    double length;
+    std::uint32_t corner;
+  };
+  /// A portal end seen from the root at hand.
+  struct Sight {
+    glm::dvec2 ray;
+    double fromRight, fromLeft;  ///< >= 0 both: within the window
+    double length;               ///< of the ray, where it is within the window
+    std::uint32_t end;
+  };
+  /// The sides to which a shortest path can bend at an end.
+  struct Bends {
+    bool left, right;
+  };
+
+  void reset();
+  void startFrom(const navmesh::Location& source);
+  void settle(std::uint32_t end);
+  void turnAbout(std::uint32_t end, bool leftwards, glm::dvec2 arrival);
+  void seeAllAbout(std::uint32_t end);
+  void seeWhole(std::uint32_t polygon);
+  void seeLeftOf(glm::dvec2 arrival, std::uint32_t polygon);
+  void seeRightOf(glm::dvec2 arrival, std::uint32_t polygon);
+  void look(const Window& window);
+  void spread(std::uint32_t begin);
+  template <typename Bounds>
+  void lookOut(std::uint32_t polygon, std::uint32_t entry, glm::dvec2 left, glm::dvec2 right,
+               const Bounds& bounds);
+  void pass(std::uint32_t portal, std::uint32_t entry, const Sight& l, const Sight& r,
+            glm::dvec2 left, glm::dvec2 right);
+  bool goesBack(std::uint32_t entry, glm::dvec2 along, glm::dvec2 a, glm::dvec2 b) const;
+  void relax(const Sight& sight, std::uint32_t polygon);
+  Bends bendsAt(std::uint32_t end, glm::dvec2 arrival) const;
+  void pushEntry(navmesh::KeyQueue::Entry entry);
+  bool isStale(navmesh::KeyQueue::Entry entry) const;
+  void pushWhole(PolygonId polygon);
+  std::uint32_t newWindow(PolygonId polygon);
+  Way bestWay(PolygonId polygon, glm::vec2 point) const;
+
+  const navmesh::NavGraph* graph_;
+  const PortalEnds* ends_;
+  double tolerance_;  // metres; how far rounding may put a point beside the ray that it lies on
+
+  float horizon_ = 0.0f;
+  float completeTo_ = 0.0f;
+  bool limitReached_ = false;
+
+  // The root whose windows are being sent out.
+  glm::dvec2 root_{0.0};
+  double rootDistance_ = 0.0;
+  std::uint32_t rootCorner_ = 0;
+
+  std::vector<Corner> corners_;
+  std::vector<double> cornerDistance_;  // as in corners_, not rounded
+  std::vector<Window> windows_;         // the first windowCount_ are in use
+  std::uint32_t windowCount_ = 0;
+  std::vector<std::uint32_t> first_;  // per polygon: its first window
+  std::vector<PolygonId> reached_;    // the first reachedCount_ are in use
+  std::uint32_t reachedCount_ = 0;
+  std::vector<EndState> states_;        // per end
+  std::vector<std::uint32_t> touched_;  // ends with a state; the first touchedCount_ are in use
+  std::uint32_t touchedCount_ = 0;
+  navmesh::KeyQueue queue_;
+};
+
+}  // namespace forewalk::prediction

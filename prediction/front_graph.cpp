@@ -1,0 +1,337 @@
+#include "prediction/front_graph.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace forewalk::prediction {
+
+using navmesh::NavGraph;
+
+FrontIndex makeFrontIndex(const NavGraph& graph) {
+  FrontIndex index;
+  index.ends = makePortalEnds(graph);
+  index.cells = makeCellMesh(graph, index.ends);
+  return index;
+}
+
+FrontScratch::FrontScratch(const NavGraph& graph, const FrontIndex& index,
+                           const DistanceLimits& limits)
+    : field_(graph, index.ends, limits), sweep_(graph, index.ends, index.cells) {}
+
+/// Builds one graph from one sweep. Lives for one predictFronts() call.
+class FrontAssembly {
+ public:
+  FrontAssembly(const NavGraph& navGraph, FrontScratch& scratch, const FrontSettings& settings)
+      : navGraph_(navGraph),
+        scratch_(scratch),
+        events_(scratch.sweep_.events()),
+        arcs_(scratch.sweep_.arcs()),
+        out_(scratch.graph_),
+        ways_(scratch.ways_),
+        persistence_(settings.persistence) {}
+
+  void assemble() {
+    listWays();
+    dropRootless();
+    for (std::uint32_t e = static_cast<std::uint32_t>(events_.size()); e-- > 0;) simplifyAt(e);
+    out_.corners.assign(scratch_.field_.corners().begin(), scratch_.field_.corners().end());
+    addNodes();
+    addLoops();
+    listChildren(out_);
+  }
+
+ private:
+  using Way = FrontScratch::Way;
+
+  // --- Simplification ---
+
+  void listWays() {
+    ways_.clear();
+    scratch_.firstOut_.assign(events_.size(), kNone);
+    scratch_.firstIn_.assign(events_.size(), kNone);
+    for (std::uint32_t a = 0; a < arcs_.size(); ++a) {
+      const FrontArc& arc = arcs_[a];
+      Way& way = ways_.emplace_back();
+      way.from = arc.from;
+      way.to = arc.to;
+      way.last = a;
+      way.width = std::min(arc.widthAtStart > 0.0f ? arc.widthAtStart : arc.widthAtEnd,
+                           arc.widthAtEnd > 0.0f ? arc.widthAtEnd : arc.widthAtStart);
+      way.gone = arc.to == kNone && arc.front == kNone;
+      way.nextOut = std::exchange(scratch_.firstOut_[arc.from], a);
+      way.nextIn = arc.to == kNone ? kNone : std::exchange(scratch_.firstIn_[arc.to], a);
+      way.mergedInto = a;
+    }
+  }
+
+  std::uint32_t resolved(std::uint32_t way) const {
+    while (ways_[way].mergedInto != way) way = ways_[way].mergedInto;
+    return way;
+  }
+
+  template <typename Visit>
+  void forEachOut(std::uint32_t event, const Visit& visit) const {
+    for (std::uint32_t w = scratch_.firstOut_[event]; w != kNone; w = ways_[w].nextOut) {
+      if (!ways_[w].gone) visit(w);
+    }
+  }
+  template <typename Visit>
+  void forEachIn(std::uint32_t event, const Visit& visit) const {
+    for (std::uint32_t w = scratch_.firstIn_[event]; w != kNone; w = ways_[w].nextIn) {
+      const std::uint32_t way = resolved(w);
+      if (!ways_[way].gone && ways_[way].to == event) visit(way);
+    }
+  }
+  std::uint32_t outCount(std::uint32_t event) const {
+    std::uint32_t count = 0;
+    forEachOut(event, [&](std::uint32_t) { ++count; });
+    return count;
+  }
+  std::uint32_t inCount(std::uint32_t event) const {
+    std::uint32_t count = 0;
+    forEachIn(event, [&](std::uint32_t) { ++count; });
+    return count;
+  }
+
+  /// Rounding can make a piece of the front begin where another only touches an edge: it joins that
+  /// one at once, and is no way.
+  void dropRootless() {
+    for (std::uint32_t e = 1; e < events_.size(); ++e) {
+      if (inCount(e) > 0) continue;
+      forEachOut(e, [&](std::uint32_t w) {
+        Way& way = ways_[w];
+        if (way.to != kNone && inCount(way.to) > 1) {
+          way.gone = true;
+        } else {
+          way.from = 0;
+        }
+      });
+    }
+  }
+
+  float endOf(const Way& way) const {
+    return way.to == kNone ? out_.horizon : events_[way.to].distance;
+  }
+
+  bool isLeaf(const Way& way) const {
+    return way.to == kNone || (outCount(way.to) == 0 && inCount(way.to) == 1);
+  }
+
+  /// Merges the short ways that leave an event; all beyond it is simple already.
+  void simplifyAt(std::uint32_t event) {
+    const float limit = events_[event].distance + persistence_;
+    for (std::uint32_t count = outCount(event); count > 1; --count) {
+      std::uint32_t shortest = kNone;
+      forEachOut(event, [&](std::uint32_t w) {
+        const Way& way = ways_[w];
+        if (endOf(way) >= limit || !(isLeaf(way) || hasTwin(event, w))) return;
+        if (shortest == kNone || endOf(way) < endOf(ways_[shortest]) ||
+            (endOf(way) == endOf(ways_[shortest]) && way.width < ways_[shortest].width)) {
+          shortest = w;
+        }
+      });
+      if (shortest == kNone) break;
+      ways_[shortest].gone = true;
+    }
+    // Two ways that meet have hardly anywhere to go: they end where they meet.
+    if (outCount(event) == 1 && inCount(event) > 1) {
+      forEachOut(event, [&](std::uint32_t w) {
+        Way& way = ways_[w];
+        if (way.to != kNone && isLeaf(way) && endOf(way) < limit) way.gone = true;
+      });
+    }
+    if (event == 0 || outCount(event) != 1 || inCount(event) != 1) return;
+    std::uint32_t in = kNone;
+    std::uint32_t out = kNone;
+    forEachIn(event, [&](std::uint32_t w) { in = w; });
+    forEachOut(event, [&](std::uint32_t w) { out = w; });
+    Way& way = ways_[in];
+    way.to = ways_[out].to;
+    way.last = ways_[out].last;
+    way.width = std::min(way.width, ways_[out].width);
+    ways_[out].gone = true;
+    ways_[out].mergedInto = in;
+  }
+
+  /// Whether another way from the event ends where this one does: around a pillar too thin to tell
+  /// them apart.
+  bool hasTwin(std::uint32_t event, std::uint32_t w) const {
+    bool twin = false;
+    forEachOut(event, [&](std::uint32_t other) {
+      twin = twin || (other != w && ways_[other].to == ways_[w].to && ways_[w].to != kNone);
+    });
+    return twin;
+  }
+
+  // --- Nodes and edges ---
+
+  void addNodes() {
+    scratch_.nodeOf_.assign(events_.size(), kNone);
+    addNode(NodeKind::kSource, events_[0].plan, out_.source.polygon, 0.0f, kNoNode, 0);
+    out_.nodes.back().height = out_.source.height;
+    scratch_.nodeOf_[0] = 0;
+    for (std::uint32_t e = 1; e < events_.size(); ++e) addEventNodes(e);
+    for (std::uint32_t w = 0; w < ways_.size(); ++w) {
+      if (!ways_[w].gone && ways_[w].to == kNone) addHorizonNode(ways_[w]);
+    }
+  }
+
+  void addEventNodes(std::uint32_t e) {
+    const std::uint32_t outs = outCount(e);
+    const std::uint32_t ins = inCount(e);
+    if (ins == 0) return;
+    const FrontEvent& event = events_[e];
+    std::uint32_t seen = 0;
+    forEachIn(e, [&](std::uint32_t w) {
+      // Ways that end here each have an end of their own; what goes on has one.
+      if (seen++ > 0 && outs > 0) return;
+      const Way& way = ways_[w];
+      const NodeKind kind = outs == 0 ? NodeKind::kTerminal
+                            : ins > 1 ? NodeKind::kJoin
+                                      : NodeKind::kBranch;
+      Node& node = addNode(kind, event.plan, event.polygon, event.distance, nodeAt(way.from),
+                           arcs_[way.last].corner);
+      node.branch = outs > 1;
+      const std::uint32_t id = static_cast<std::uint32_t>(out_.nodes.size() - 1);
+      if (seen == 1) scratch_.nodeOf_[e] = id;
+      if (outs == 0) {
+        node.reason = ins > 1 ? TerminalReason::kMeeting : TerminalReason::kDeadEnd;
+        out_.terminals.push_back(NodeId{id});
+        out_.fronts.push_back({event.plan, event.plan, 0.0f});
+      }
+      addPathEdge(NodeId{id}, node.prev, arcs_[way.last].corner, EdgeKind::kTree, way.width);
+    });
+  }
+
+  void addHorizonNode(const Way& way) {
+    const FrontArc& arc = arcs_[way.last];
+    const HorizonFront& front = scratch_.sweep_.fronts()[arc.front];
+    Node& node = addNode(NodeKind::kTerminal, front.crossing, front.polygon, out_.horizon,
+                         nodeAt(way.from), arc.corner);
+    node.reason = TerminalReason::kHorizon;
+    const NodeId id{static_cast<std::uint32_t>(out_.nodes.size() - 1)};
+    out_.terminals.push_back(id);
+    out_.fronts.push_back({front.from, front.to, front.length});
+    addPathEdge(id, node.prev, arc.corner, EdgeKind::kTree, way.width);
+  }
+
+  NodeId nodeAt(std::uint32_t event) const {
+    const std::uint32_t node = scratch_.nodeOf_[event];
+    return NodeId{node == kNone ? 0 : node};
+  }
+
+  Node& addNode(NodeKind kind, glm::vec2 plan, PolygonId polygon, float distance, NodeId prev,
+                std::uint32_t corner) {
+    Node& node = out_.nodes.emplace_back();
+    node.kind = kind;
+    node.reason = TerminalReason::kNone;
+    node.branch = false;
+    node.polygon = polygon;
+    node.plan = plan;
+    node.height = navmesh::heightAt(navGraph_, polygon, plan);
+    node.distance = distance;
+    node.prev = prev;
+    node.corner = corner;
+    node.firstChild = 0;
+    node.childCount = 0;
+    return node;
+  }
+
+  /// An edge along the shortest path to `from` by `corner`, back to the distance of `to`.
+  void addPathEdge(NodeId from, NodeId to, std::uint32_t corner, EdgeKind kind, float width) {
+    const Node& node = out_.node(from);
+    const float end = out_.node(to).distance;
+    Edge& edge = out_.edges.emplace_back();
+    edge.from = from;
+    edge.to = to;
+    edge.kind = kind;
+    edge.length = node.distance - end;
+    edge.polygonStart = static_cast<std::uint32_t>(out_.corridorPolygons.size());
+    edge.polygonCount = 0;
+    edge.pathStart = static_cast<std::uint32_t>(out_.pathPoints.size());
+    edge.width = width;
+    out_.pathPoints.push_back(node.plan);
+    glm::vec2 at = node.plan;
+    float distance = node.distance;
+    while (out_.corners[corner].distance > end) {
+      at = out_.corners[corner].plan;
+      distance = out_.corners[corner].distance;
+      if (out_.pathPoints.back() != at) out_.pathPoints.push_back(at);
+      corner = out_.corners[corner].previous;
+    }
+    const Corner& before = out_.corners[corner];
+    const float leg = distance - before.distance;
+    const float share = leg > 0.0f ? (distance - end) / leg : 0.0f;
+    const glm::vec2 last = glm::mix(at, before.plan, std::clamp(share, 0.0f, 1.0f));
+    if (out_.pathPoints.back() != last) out_.pathPoints.push_back(last);
+    edge.pathCount = static_cast<std::uint32_t>(out_.pathPoints.size()) - edge.pathStart;
+  }
+
+  /// What a tree cannot show: the other ways into a join, and ways that end in a meeting.
+  void addLoops() {
+    for (std::uint32_t e = 1; e < events_.size(); ++e) {
+      const std::uint32_t node = scratch_.nodeOf_[e];
+      if (node == kNone || inCount(e) < 2) continue;
+      std::uint32_t seen = 0;
+      const bool ends = out_.nodes[node].kind == NodeKind::kTerminal;
+      forEachIn(e, [&](std::uint32_t w) {
+        if (seen++ == 0) return;
+        const Way& way = ways_[w];
+        if (ends) {
+          addMeetingEdge(NodeId{node + seen - 1}, NodeId{node + seen - 2});
+        } else {
+          addPathEdge(NodeId{node}, nodeAt(way.from), arcs_[way.last].corner, EdgeKind::kLoop,
+                      way.width);
+        }
+      });
+    }
+  }
+
+  void addMeetingEdge(NodeId from, NodeId to) {
+    Edge& edge = out_.edges.emplace_back();
+    edge.from = from;
+    edge.to = to;
+    edge.kind = EdgeKind::kLoop;
+    edge.length = 0.0f;
+    edge.polygonStart = static_cast<std::uint32_t>(out_.corridorPolygons.size());
+    edge.polygonCount = 0;
+    edge.pathStart = static_cast<std::uint32_t>(out_.pathPoints.size());
+    edge.pathCount = 1;
+    out_.pathPoints.push_back(out_.node(from).plan);
+  }
+
+  const NavGraph& navGraph_;
+  FrontScratch& scratch_;
+  std::span<const FrontEvent> events_;
+  std::span<const FrontArc> arcs_;
+  PredictionGraph& out_;
+  std::vector<Way>& ways_;
+  float persistence_;
+};
+
+const PredictionGraph& predictFronts(const NavGraph& navGraph, const navmesh::Location& source,
+                                     float horizon, FrontScratch& scratch,
+                                     const FrontSettings& settings) {
+  PredictionGraph& graph = scratch.graph_;
+  clear(graph);
+  graph.method = Method::kFront;
+  graph.horizon = horizon > 0.0f ? horizon : 0.0f;
+  graph.completeTo = graph.horizon;
+  graph.source = source;
+  if (index(source.polygon) >= navGraph.polygonCount()) {
+    sourceAlone(graph);
+    return graph;
+  }
+  scratch.field_.run(source, graph.horizon);
+  scratch.sweep_.run(scratch.field_, source, graph.horizon);
+  FrontAssembly(navGraph, scratch, settings).assemble();
+  graph.stats.settled = static_cast<std::uint32_t>(scratch.field_.polygons().size());
+  graph.stats.expanded = graph.stats.settled;
+  if (scratch.field_.limitReached()) {
+    graph.flags |= kPolygonLimit;
+    graph.completeTo = std::min(graph.horizon, scratch.field_.completeTo());
+  }
+  return graph;
+}
+
+}  // namespace forewalk::prediction
