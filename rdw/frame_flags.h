@@ -18,9 +18,11 @@ enum FrameFlags : std::uint32_t {
   kOrientationUnusable = 1u << 7,  ///< the last one was taken
   kOutsideSpace = 1u << 8,         ///< the body is outside the tracked space
   kBorderNear = 1u << 9,           ///< a reset is about to be needed
-  kOffNavMesh = 1u << 10,  ///< no polygon within SessionSettings::snap; the last place is kept
-  kSnapped = 1u << 11,     ///< beside the navmesh: its nearest point was taken
-  kGraphLimit = 1u << 12,  ///< raise PredictionLimits::polygons or shorten the horizon
+  kOffNavMesh = 1u << 10,   ///< no polygon within SessionSettings::snap; the last place is kept
+  kSnapped = 1u << 11,      ///< beside the navmesh: its nearest point was taken
+  kGraphLimit = 1u << 12,   ///< raise PredictionLimits::polygons or shorten the horizon
+  kGroundTaken = 1u << 13,  ///< the world changed under the user, who now stands in an obstacle or
+                            ///< closer to it than they can: the nearest walkable ground was taken
 };
 
 }  // namespace forewalk::rdw

@@ -13,7 +13,21 @@ namespace {
 // Somebody put at a floor stands on it, or within a step of it.
 constexpr navmesh::SnapLimits kFloorSnap{0.5f, 0.5f, 0.5f};
 
+// Rebuilt ground may have its border elsewhere by so much for no reason, metres: whoever stands at
+// a wall has not lost it.
+constexpr float kSameGround = 0.05f;
+
+// Somebody further from any ground of their storey is nowhere, metres.
+constexpr float kFarthestGround = 64.0f;
+
 }  // namespace
+
+PreparedWorld prepareWorld(std::shared_ptr<const navmesh::World> world,
+                           const prediction::PredictionLimits& limits) {
+  assert(world != nullptr);
+  auto scratch = std::make_unique<prediction::Scratch>(world->graph, limits);
+  return {std::move(world), std::move(scratch)};
+}
 
 Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings settings,
                  std::unique_ptr<Controller> controller)
@@ -84,8 +98,38 @@ bool Session::teleport(const VirtualStart& to) {
   if (!place) return false;
   location_ = *place;
   pending_ = PlanarPose{glm::dvec2(place->plan), wrapAngle(static_cast<double>(to.heading))};
+  groundTaken_ = false;
   controller_->restart();
   return true;
+}
+
+void Session::enter(PreparedWorld& next) {
+  assert(next.world != nullptr && next.scratch != nullptr);
+  std::swap(world_, next.world);
+  std::swap(scratch_, next.scratch);
+  result_.graph = nullptr;
+  if (location_.polygon == navmesh::kNoPolygon) return;
+  // From where the user stood on the old ground: heads and walls beside it are the frame's matter.
+  const auto place = nearestGround(location_.position());
+  if (place) {
+    groundTaken_ = groundTaken_ || glm::distance(place->plan, location_.plan) > kSameGround;
+    location_ = *place;
+  } else {
+    groundTaken_ = true;
+    location_.polygon = navmesh::kNoPolygon;
+  }
+  result_.location = location_;
+}
+
+// Doubled again and again, because a search costs what lies within its distance.
+std::optional<navmesh::Location> Session::nearestGround(glm::vec3 feet) const {
+  navmesh::SnapLimits limits = settings_.snap;
+  for (limits.distance = 0.5f; limits.distance <= kFarthestGround; limits.distance *= 2.0f) {
+    if (const auto place = navmesh::locate(world_->graph, world_->locations, feet, limits)) {
+      return place;
+    }
+  }
+  return std::nullopt;
 }
 
 void Session::locate(const HeadPose& physical, double seconds) {
@@ -115,6 +159,11 @@ void Session::placeOnFloor() {
   } else {
     place = navmesh::locateFrom(world.graph, world.locations, location_,
                                 navmesh::toSpace(plan, location_.height), settings_.snap);
+  }
+  if (groundTaken_) {
+    if (!place) place = nearestGround(navmesh::toSpace(plan, location_.height));
+    groundTaken_ = !place || place->snapped;
+    if (groundTaken_) result_.flags |= kGroundTaken;
   }
   if (!place) {
     result_.flags |= kOffNavMesh;

@@ -1,0 +1,126 @@
+#include "navmesh/polygon_states.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+
+#include "navmesh/plan.h"
+
+namespace forewalk::navmesh {
+namespace {
+
+constexpr double kTolerance = 1e-3;  // metres
+
+using Check = tl::expected<void, Error>;
+
+Check outOfRange(std::string message) {
+  return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
+}
+
+Check checkCost(float cost) {
+  if (cost >= 1.0f) return {};  // false for NaN
+  return outOfRange(fmt::format(
+      "polygon states: a cost of {:g} cannot work: give 1 or more, or infinity to close.", cost));
+}
+
+bool holds(const PlanArea& area, glm::vec2 plan) {
+  for (std::size_t i = 0; i < area.corners.size(); ++i) {
+    if (exactTurn(area.corners[i], area.corners[(i + 1) % area.corners.size()], plan) < 0.0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Check checkArea(const PlanArea& area, std::size_t number) {
+  const std::vector<glm::vec2>& corners = area.corners;
+  const auto wrong = [&](const std::string& what) {
+    return outOfRange(fmt::format("polygon states: area {} {}.", number, what));
+  };
+  if (corners.size() < 3) {
+    return wrong(fmt::format("has {} corners, give 3 or more", corners.size()));
+  }
+  const bool finite = std::all_of(corners.begin(), corners.end(), [](glm::vec2 c) {
+    return std::isfinite(c.x) && std::isfinite(c.y);
+  });
+  if (!finite || !std::isfinite(area.bottom) || !std::isfinite(area.top)) {
+    return wrong("has a number that is not finite, give metres");
+  }
+  if (!(area.bottom <= area.top)) {
+    return wrong(
+        fmt::format("reaches from {:g} m up to {:g} m, exchange them", area.bottom, area.top));
+  }
+  double twiceArea = 0.0;
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    twiceArea += exactTurn(corners[0], corners[i], corners[i + 1]);
+  }
+  if (!(twiceArea > 0.0)) {
+    return wrong(
+        fmt::format("has {:g} m^2 counter-clockwise seen from above, reverse or spread "
+                    "its corners",
+                    0.5 * twiceArea));
+  }
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const glm::vec2 from = corners[i], to = corners[(i + 1) % corners.size()];
+    const double length = glm::distance(glm::dvec2(from), glm::dvec2(to));
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      if (exactTurn(from, to, corners[k]) >= -kTolerance * length) continue;
+      return wrong(
+          fmt::format("is not convex: corner {} lies outside the edge from corner {}, "
+                      "split it",
+                      k, i));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<PolygonId> polygonsIn(const NavGraph& graph, const PlanArea& area) {
+  std::vector<PolygonId> found;
+  for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
+    const float height = graph.centroidHeight[p];
+    if (height >= area.bottom && height <= area.top && holds(area, graph.centroid[p])) {
+      found.push_back(PolygonId{p});
+    }
+  }
+  return found;
+}
+
+Check setCost(const NavGraph& graph, std::span<const PolygonId> polygons, float cost,
+              PolygonStates& states) {
+  if (Check ok = checkCost(cost); !ok) return ok;
+  for (const PolygonId polygon : polygons) {
+    if (index(polygon) < graph.polygonCount()) continue;
+    return tl::unexpected(
+        Error{ErrorCode::kDataDamaged,
+              fmt::format("polygon states: polygon {} is named, the navgraph has {}. Find it "
+                          "again in this graph.",
+                          index(polygon), graph.polygonCount())});
+  }
+  if (polygons.empty()) return {};
+  if (states.cost.empty()) states.cost.assign(graph.polygonCount(), 1.0f);
+  for (const PolygonId polygon : polygons) states.cost[index(polygon)] = cost;
+  return {};
+}
+
+tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
+                                                     std::span<const AreaCost> areas) {
+  PolygonStates states;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    if (Check ok = checkArea(areas[i].area, i); !ok) return tl::unexpected(ok.error());
+    if (Check ok = checkCost(areas[i].cost); !ok) return tl::unexpected(ok.error());
+    if (areas[i].cost == 1.0f) continue;
+    for (const PolygonId polygon : polygonsIn(graph, areas[i].area)) {
+      if (states.cost.empty()) states.cost.assign(graph.polygonCount(), 1.0f);
+      float& cost = states.cost[index(polygon)];
+      cost = std::max(cost, areas[i].cost);
+    }
+  }
+  return states;
+}
+
+}  // namespace forewalk::navmesh

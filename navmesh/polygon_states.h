@@ -1,0 +1,73 @@
+// Doors and areas that open and close at once: what walking through each polygon costs.
+//
+// An overlay beside the navgraph, which stays as it is and shared. Nothing is rebuilt, so that a
+// door closes with the next frame; where geometry changes, obstacles are carved instead
+// (build/live_mesh.h). Overlays are values: change a copy and publish that, as a World is.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "navmesh/error.h"
+#include "navmesh/nav_graph.h"
+
+namespace forewalk::navmesh {
+
+/// The cost of a polygon that nobody walks through.
+inline constexpr float kClosed = std::numeric_limits<float>::infinity();
+
+/// Belongs to the one graph it was made for.
+struct PolygonStates {
+  /// Per polygon: how many metres one metre through it counts for, >= 1, or kClosed. Empty: 1
+  /// everywhere.
+  std::vector<float> cost;
+
+  float costOf(PolygonId polygon) const { return cost.empty() ? 1.0f : cost[index(polygon)]; }
+  bool isClosed(PolygonId polygon) const { return costOf(polygon) == kClosed; }
+
+  bool operator==(const PolygonStates&) const = default;
+};
+
+/// A part of the building: a convex outline and a range of heights.
+struct PlanArea {
+  std::vector<glm::vec2> corners;  ///< 3 or more, counter-clockwise on the plan, metres
+  float bottom = -0.5f;            ///< world y, metres
+  float top = 2.0f;                ///< world y, metres
+
+  bool operator==(const PlanArea&) const = default;
+};
+
+/// An area and what it costs.
+struct AreaCost {
+  PlanArea area;
+  float cost = kClosed;  ///< >= 1, or kClosed
+
+  bool operator==(const AreaCost&) const = default;
+};
+
+/// The polygons whose centroid lies in the area, border included, ascending. A polygon that only
+/// reaches into it is not named: cut the ground along the outline when it is built (LiveMesh does)
+/// and polygons lie on one side or the other. O(polygons * corners).
+std::vector<PolygonId> polygonsIn(const NavGraph& graph, const PlanArea& area);
+
+/// Sets the cost of some polygons in `states`, which belongs to `graph`.
+///
+/// Fails, and changes nothing, when a polygon is not in the graph (kDataDamaged) or the cost is
+/// below 1 or not a number (kSettingOutOfRange). O(polygons) at first, then of those named.
+[[nodiscard]] tl::expected<void, Error> setCost(const NavGraph& graph,
+                                                std::span<const PolygonId> polygons, float cost,
+                                                PolygonStates& states);
+
+/// The states of a graph whose areas have these costs. Where areas overlap the higher cost counts,
+/// so their order does not matter. All at cost 1, or none: empty.
+///
+/// Fails when a cost is below 1 or not a number, or an area has fewer than 3 corners, a number that
+/// is not finite, or is not convex and counter-clockwise (1 mm) (kSettingOutOfRange, naming which).
+/// O(areas * polygons * corners).
+[[nodiscard]] tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
+                                                                   std::span<const AreaCost> areas);
+
+}  // namespace forewalk::navmesh

@@ -1,0 +1,278 @@
+#include "service/live_world.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include "service/parallel.h"
+
+namespace forewalk::service {
+
+namespace {
+
+using Lock = std::unique_lock<std::mutex>;
+
+// How long something that a reader has given back may wait for its end while nothing else happens.
+constexpr std::chrono::milliseconds kCollectEvery{100};
+
+struct Delivery {
+  WorldVersion version;
+  rdw::PreparedWorld prepared;  // empty where the session is in that world already
+  Delivery* next = nullptr;     // given back before this one
+};
+
+}  // namespace
+
+// Between LiveWorld and one reader. Each side only ever exchanges pointers: a delivery belongs to
+// whoever took it out.
+struct WorldSlot {
+  ~WorldSlot() {
+    delete incoming.load();
+    freeReturned();
+  }
+
+  void freeReturned() {
+    for (Delivery* one = returned.exchange(nullptr, std::memory_order_acquire); one != nullptr;) {
+      const std::unique_ptr<Delivery> last(one);
+      one = one->next;
+      --out;
+    }
+  }
+
+  std::atomic<Delivery*> incoming{nullptr};  // the newest version, until the reader takes it
+  std::atomic<Delivery*> returned{nullptr};  // a stack; the reader pushes, LiveWorld takes all
+  std::atomic<bool> ended{false};            // the reader is gone
+
+  // LiveWorld's, under its versionMutex_.
+  std::optional<prediction::PredictionLimits> limits;  // of the session; none: no session
+  std::shared_ptr<const navmesh::World> sessionWorld;  // what was last prepared for it
+  int out = 0;                                         // deliveries neither taken back nor freed
+};
+
+// ---- The reader's side
+
+WorldReader::WorldReader(std::shared_ptr<WorldSlot> slot, WorldVersion version)
+    : slot_(std::move(slot)), version_(std::move(version)) {}
+
+WorldReader::WorldReader(WorldReader&&) noexcept = default;
+
+WorldReader& WorldReader::operator=(WorldReader&& other) noexcept {
+  std::swap(slot_, other.slot_);
+  std::swap(version_, other.version_);
+  return *this;
+}
+
+WorldReader::~WorldReader() {
+  if (slot_) slot_->ended.store(true);
+}
+
+bool WorldReader::take(rdw::Session* session) {
+  if (slot_->incoming.load(std::memory_order_relaxed) == nullptr) return false;
+  Delivery* delivery = slot_->incoming.exchange(nullptr, std::memory_order_acquire);
+  if (delivery == nullptr) return false;  // taken back for a newer one
+  std::swap(version_, delivery->version);
+  if (session != nullptr && delivery->prepared.scratch != nullptr) {
+    session->enter(delivery->prepared);
+  }
+  // What was left goes back. Repeats only where LiveWorld takes the stack in between.
+  delivery->next = slot_->returned.load(std::memory_order_relaxed);
+  while (!slot_->returned.compare_exchange_weak(delivery->next, delivery, std::memory_order_release,
+                                                std::memory_order_relaxed)) {
+  }
+  return true;
+}
+
+// ---- The owner's side
+
+tl::expected<std::unique_ptr<LiveWorld>, Error> LiveWorld::make(navmesh::Scene scene,
+                                                                const LiveWorldSettings& settings) {
+  navmesh::BuildRun run;
+  run.forEach = onThreads(settings.threads);
+  auto mesh = navmesh::LiveMesh::make(std::move(scene), settings.build, settings.outlines, run);
+  if (!mesh) return tl::unexpected(mesh.error());
+  return std::unique_ptr<LiveWorld>(new LiveWorld(std::move(*mesh), settings.threads));
+}
+
+LiveWorld::LiveWorld(navmesh::LiveMesh mesh, unsigned threads) : mesh_(std::move(mesh)) {
+  if (threads != 1) run_.forEach = onThreads(threads);
+  newest_ = {1, mesh_.world(), std::make_shared<const navmesh::PolygonStates>()};
+  status_.version = 1;
+  thread_ = std::thread([this] { run(); });
+}
+
+LiveWorld::~LiveWorld() {
+  {
+    const Lock lock(changesMutex_);
+    stop_ = true;
+  }
+  changesCame_.notify_all();
+  thread_.join();
+}
+
+tl::expected<void, Error> LiveWorld::change(std::span<const navmesh::ObstacleChange> changes) {
+  for (const navmesh::ObstacleChange& one : changes) {
+    if (!one.obstacle) continue;
+    if (auto valid = navmesh::validate(*one.obstacle); !valid) return valid;
+  }
+  {
+    const Lock lock(changesMutex_);
+    for (const navmesh::ObstacleChange& one : changes) {
+      pending_.insert_or_assign(one.id, one.obstacle);
+    }
+  }
+  changesCame_.notify_all();
+  return {};
+}
+
+tl::expected<void, Error> LiveWorld::setArea(AreaId id, navmesh::AreaCost area) {
+  const Lock lock(versionMutex_);
+  const auto before = areas_.find(id);
+  std::optional<navmesh::AreaCost> old;
+  if (before != areas_.end()) old = before->second;
+  areas_.insert_or_assign(id, std::move(area));
+  auto published = publish(newest_.world);
+  if (!published) {
+    if (old) {
+      areas_.insert_or_assign(id, std::move(*old));
+    } else {
+      areas_.erase(id);
+    }
+  }
+  return published;
+}
+
+void LiveWorld::removeArea(AreaId id) {
+  const Lock lock(versionMutex_);
+  if (areas_.erase(id) == 0) return;
+  // The others were sound when they came.
+  if (auto published = publish(newest_.world); !published) {
+    status_.failure = published.error().message;
+  }
+}
+
+WorldReader LiveWorld::reader() { return add(std::nullopt); }
+
+WorldReader LiveWorld::readerForSession(const prediction::PredictionLimits& limits) {
+  return add(limits);
+}
+
+WorldReader LiveWorld::add(std::optional<prediction::PredictionLimits> limits) {
+  auto slot = std::make_shared<WorldSlot>();
+  slot->limits = limits;
+  const Lock lock(versionMutex_);
+  if (limits) slot->sessionWorld = newest_.world;
+  slots_.push_back(slot);
+  return WorldReader(std::move(slot), newest_);
+}
+
+void LiveWorld::waitUntilDone() {
+  Lock lock(changesMutex_);
+  changesDone_.wait(lock, [this] { return pending_.empty() && !building_; });
+}
+
+LiveWorldStatus LiveWorld::status() const {
+  const Lock lock(versionMutex_);
+  return status_;
+}
+
+void LiveWorld::run() {
+  Lock lock(changesMutex_);
+  while (!stop_) {
+    if (pending_.empty()) {
+      lock.unlock();
+      const bool more = collect();
+      lock.lock();
+      const auto woken = [this] { return stop_ || !pending_.empty(); };
+      if (more) {
+        changesCame_.wait_for(lock, kCollectEvery, woken);
+      } else {
+        changesCame_.wait(lock, woken);
+      }
+      continue;
+    }
+    std::vector<navmesh::ObstacleChange> changes;
+    for (auto& [id, obstacle] : pending_) changes.push_back({id, std::move(obstacle)});
+    pending_.clear();
+    building_ = true;
+    lock.unlock();
+    apply(changes);
+    lock.lock();
+    building_ = false;
+    if (pending_.empty()) changesDone_.notify_all();
+  }
+  building_ = false;
+  pending_.clear();
+  changesDone_.notify_all();
+}
+
+void LiveWorld::apply(const std::vector<navmesh::ObstacleChange>& changes) {
+  const auto start = std::chrono::steady_clock::now();
+  std::string failure;
+  std::uint32_t tilesBuilt = 0;
+  try {
+    const auto update = mesh_.apply(changes, run_);
+    const Lock lock(versionMutex_);
+    if (!update) {
+      failure = update.error().message;
+    } else {
+      tilesBuilt = update->tilesBuilt;
+      if (update->world != newest_.world) {
+        if (auto published = publish(update->world); !published) {
+          failure = published.error().message;
+        }
+      }
+    }
+  } catch (const std::exception& exception) {  // no memory, no thread
+    failure = exception.what();
+  }
+  const Lock lock(versionMutex_);
+  status_.failure = std::move(failure);
+  status_.tilesBuilt = tilesBuilt;
+  status_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Under versionMutex_, as are the two below.
+tl::expected<void, Error> LiveWorld::publish(std::shared_ptr<const navmesh::World> world) {
+  std::vector<navmesh::AreaCost> areas;
+  for (const auto& [id, area] : areas_) areas.push_back(area);
+  auto states = navmesh::makePolygonStates(world->graph, areas);
+  if (!states) return tl::unexpected(states.error());
+  newest_ = {newest_.number + 1, std::move(world),
+             std::make_shared<const navmesh::PolygonStates>(std::move(*states))};
+  status_.version = newest_.number;
+  std::erase_if(slots_, [](const auto& slot) { return slot->ended.load(); });
+  for (const std::shared_ptr<WorldSlot>& slot : slots_) deliver(*slot);
+  return {};
+}
+
+void LiveWorld::deliver(WorldSlot& slot) {
+  slot.freeReturned();
+  // One that the reader did not take goes on with the newer version: for a moment there is none,
+  // and the reader keeps what it has.
+  std::unique_ptr<Delivery> delivery(slot.incoming.exchange(nullptr, std::memory_order_acquire));
+  if (delivery == nullptr) {
+    delivery = std::make_unique<Delivery>();
+    ++slot.out;
+  }
+  delivery->version = newest_;
+  if (slot.limits && slot.sessionWorld != newest_.world) {
+    delivery->prepared = rdw::prepareWorld(newest_.world, *slot.limits);
+    slot.sessionWorld = newest_.world;
+  }
+  slot.incoming.store(delivery.release(), std::memory_order_release);
+}
+
+/// Frees what readers have given back. Whether there is, or will be, more.
+bool LiveWorld::collect() {
+  const Lock lock(versionMutex_);
+  std::erase_if(slots_, [](const auto& slot) { return slot->ended.load(); });
+  bool more = false;
+  for (const std::shared_ptr<WorldSlot>& slot : slots_) {
+    slot->freeReturned();
+    more = more || slot->out > 0;
+  }
+  return more;
+}
+
+}  // namespace forewalk::service
