@@ -270,11 +270,15 @@ class Predictive final : public Controller {
             : 0.0;
     if (curvatureRoom == 0.0 && rotationRoom == 0.0) return {};
     const bool turning = rotationRoom > curvatureRoom;
-    if (turning != planned_ || untilPlan_ <= 0.0) {
-      plan(input, turning);
-      planned_ = turning;
+    if (turning != plan_.turning || untilPlan_ <= 0.0) {
+      const bool changed = turning != plan_.turning;
+      startPlan(input, turning);
+      // What was chosen for a walk says nothing of a turn: the target rule decides until the ways
+      // are thought of.
+      if (changed) choose(input.limits);
       untilPlan_ = turning ? 0.5 * settings_.replanEvery : settings_.replanEvery;
     }
+    if (plan_.pending) think(input);
 
     Gains gains;
     if (turning) {
@@ -292,6 +296,9 @@ class Predictive final : public Controller {
     centre_.restart();
     untilPlan_ = 0.0;
     smoothed_ = 0.0;
+    plan_ = {};
+    curvature_ = 0.0;
+    rotation_ = 1.0;
   }
 
   std::string_view name() const override {
@@ -300,7 +307,19 @@ class Predictive final : public Controller {
   bool wantsPrediction() const override { return true; }
 
  private:
-  void plan(const SteerInput& input, bool turning) {
+  /// A plan in the making: ways are walked in thought in the frames after it was started, so that
+  /// no frame costs much more than the others.
+  struct Plan {
+    WaysAhead ahead;
+    Costs costs{};
+    glm::dvec2 position{0.0};  // physical, when it was started
+    double heading = 0.0;
+    int next = 0;  // the way to think of
+    bool turning = false;
+    bool pending = false;
+  };
+
+  void startPlan(const SteerInput& input, bool turning) {
     const Motion& motion = input.motion;
     const glm::dvec2 facing = directionOf(input.virtualPose.heading);
     glm::dvec2 travel =
@@ -308,24 +327,45 @@ class Predictive final : public Controller {
     // Somebody who turns on the spot will walk where the turn leads: half a second of it.
     if (turning) travel = rotated(facing, std::clamp(0.5 * motion.turnRate, -1.2, 1.2));
     const glm::dvec2 from = turning ? facing : travel;
-    const WaysAhead ahead = waysAhead(input.graph, travel, from, settings_);
+    plan_.ahead = waysAhead(input.graph, travel, from, settings_);
+    plan_.costs = ruleCosts(input, turning, from, travel, plan_.ahead);
+    plan_.position = input.physical.position;
+    plan_.heading = headingOf(input.redirection.directionToPhysical(from));
+    plan_.next = 0;
+    plan_.turning = turning;
+    plan_.pending = true;
+  }
 
-    Costs costs = ruleCosts(input, turning, from, travel, ahead);
-    if (!room_.empty()) {
-      const double heading = headingOf(input.redirection.directionToPhysical(from));
-      for (int i = 0; i < ahead.count; ++i) {
-        const LikelyWay& way = ahead.ways[static_cast<std::size_t>(i)];
-        if (way.weight < kUnlikely) continue;
-        const Costs walked = walkInThought(input, way, heading, turning);
-        for (std::size_t c = 0; c < costs.size(); ++c) costs[c] += way.weight * walked[c];
+  /// Thinks of as many ways as this frame's share of the time for a plan; after the last, chooses.
+  void think(const SteerInput& input) {
+    const int count = room_.empty() ? 0 : plan_.ahead.count;
+    const double share = input.motion.dt / kThinkingTime;
+    int left = std::max(1, static_cast<int>(std::ceil(share * static_cast<double>(count))));
+    for (; plan_.next < count && left > 0; ++plan_.next) {
+      const LikelyWay& way = plan_.ahead.ways[static_cast<std::size_t>(plan_.next)];
+      if (way.weight < kUnlikely) continue;
+      const Costs walked = walkInThought(input, way);
+      for (std::size_t c = 0; c < walked.size(); ++c) plan_.costs[c] += way.weight * walked[c];
+      --left;
+    }
+    if (plan_.next < count) return;
+    choose(input.limits);
+    plan_.pending = false;
+  }
+
+  /// Of choices that are as good the neutral one.
+  void choose(const GainLimits& limits) {
+    const int count = plan_.turning ? kRotations : kCurvatures;
+    int best = count / 2;
+    for (int c = 0; c < count; ++c) {
+      if (plan_.costs[static_cast<std::size_t>(c)] < plan_.costs[static_cast<std::size_t>(best)]) {
+        best = c;
       }
     }
-    const auto end = costs.begin() + (turning ? kRotations : kCurvatures);
-    const int best = static_cast<int>(std::min_element(costs.begin(), end) - costs.begin());
-    if (turning) {
-      rotation_ = rotationOf(best, input.limits);
+    if (plan_.turning) {
+      rotation_ = rotationOf(best, limits);
     } else {
-      curvature_ = curvatureOf(best, input.limits);
+      curvature_ = curvatureOf(best, limits);
     }
   }
 
@@ -370,13 +410,13 @@ class Predictive final : public Controller {
   }
 
   /// The least cost of walking `way` after each of the first choices, the later ones free.
-  Costs walkInThought(const SteerInput& input, const LikelyWay& way, double heading,
-                      bool turning) const {
+  Costs walkInThought(const SteerInput& input, const LikelyWay& way) const {
+    const bool turning = plan_.turning;
     std::array<Walker, kMostChoices * kBeam> beam;
     std::array<Walker, kMostChoices * kBeam * kCurvatures> next;
     int alive = 0;
     for (int c = 0; c < (turning ? kRotations : kCurvatures); ++c) {
-      beam[static_cast<std::size_t>(alive++)] = {input.physical.position, heading, c};
+      beam[static_cast<std::size_t>(alive++)] = {plan_.position, plan_.heading, c};
     }
     for (int p = 0; p < way.count; ++p) {
       const LikelyWay::Piece& piece = way.pieces[static_cast<std::size_t>(p)];
@@ -475,8 +515,9 @@ class Predictive final : public Controller {
     return free < input.space.clearance() ? input.limits.translationMax : 1.0f;
   }
 
-  static constexpr double kUnlikely = 0.02;    // weight of ways that are not worth a thought
-  static constexpr double kLongestStep = 1.0;  // metres between looks at the border
+  static constexpr double kUnlikely = 0.02;      // weight of ways that are not worth a thought
+  static constexpr double kLongestStep = 1.0;    // metres between looks at the border
+  static constexpr double kThinkingTime = 0.04;  // seconds over which a plan is spread
 
   SteerRule rule_;
   PredictiveSettings settings_;
@@ -484,7 +525,7 @@ class Predictive final : public Controller {
   CentreTarget centre_;
   RoomValue room_;
   double untilPlan_ = 0.0;
-  bool planned_ = false;  // what the last plan was for: turning or walking
+  Plan plan_;
   double curvature_ = 0.0;
   double rotation_ = 1.0;
   double smoothed_ = 0.0;

@@ -35,8 +35,8 @@ TEST(GoldenTrace, IsTheSameInEveryBuild) {
   EXPECT_EQ(hashOfWalk("none"), 11332546222905096536ull);
   EXPECT_EQ(hashOfWalk("s2c"), 4289854014188514151ull);
   EXPECT_EQ(hashOfWalk("s2o"), 14876362017180573074ull);
-  EXPECT_EQ(hashOfWalk("s2c-predictive"), 12724571663796121707ull);
-  EXPECT_EQ(hashOfWalk("s2o-predictive"), 8720741743006852319ull);
+  EXPECT_EQ(hashOfWalk("s2c-predictive"), 10612870979505258940ull);
+  EXPECT_EQ(hashOfWalk("s2o-predictive"), 16167149446012922336ull);
 }
 
 }  // namespace

@@ -193,7 +193,9 @@ TEST(Predictive, SteersAMirroredWalkTheMirroredWay) {
     controller->prepare(*TrackedSpace::rectangle(6, 6), kLaboratory);
     for (const glm::dvec2 place : {glm::dvec2(2.2, -2.4), glm::dvec2(-1.9, 1.0)}) {
       for (const bool turning : {false, true}) {
+        controller->restart();
         const Gains left = steeredInCorridor(*controller, 1.0, 6.0f, place, 0.3, turning);
+        controller->restart();
         const Gains right =
             steeredInCorridor(*controller, -1.0, 6.0f, {-place.x, place.y}, -0.3, turning);
         EXPECT_EQ(left.rotation, right.rotation);
