@@ -4,35 +4,47 @@
 #include <utility>
 
 #include "navmesh/nav_graph.h"
+#include "navmesh/polygon_states.h"
 
 namespace forewalk::navmesh {
 namespace {
 
 class ChainFinder {
  public:
-  explicit ChainFinder(const NavGraph& graph) : graph_(graph) {}
+  /// An empty `cost` is 1 everywhere.
+  ChainFinder(const NavGraph& graph, std::span<const float> cost,
+              std::span<const std::uint32_t> openNeighbours)
+      : graph_(graph), cost_(cost), neighbourCount_(openNeighbours) {}
 
   Chains find() {
     chains_.enteredBy.assign(graph_.portalCount(), kNoChain);
     chains_.rowOf.assign(graph_.polygonCount(), kNoChain);
     chains_.ofPolygon.assign(graph_.polygonCount(), kNoChain);
     for (std::uint32_t p = 0; p < graph_.polygonCount(); ++p) {
-      if (belongs(p)) continue;
+      if (isClosed(p) || belongs(p)) continue;
       for (std::uint32_t h = graph_.portalStart[p]; h < graph_.portalStart[p + 1]; ++h) {
-        if (chains_.enteredBy[h] == kNoChain) walkFrom(h);
+        if (chains_.enteredBy[h] == kNoChain && isOpen(h)) walkFrom(h);
       }
     }
     return std::move(chains_);
   }
 
  private:
+  bool isClosed(std::uint32_t polygon) const { return !cost_.empty() && cost_[polygon] == kClosed; }
+  bool isOpen(std::uint32_t portal) const { return !isClosed(index(graph_.portalTo[portal])); }
+
   std::uint32_t waysOf(std::uint32_t polygon) const {
-    return graph_.portalStart[polygon + 1] - graph_.portalStart[polygon];
+    const std::uint32_t begin = graph_.portalStart[polygon], end = graph_.portalStart[polygon + 1];
+    if (cost_.empty()) return end - begin;
+    std::uint32_t open = 0;
+    for (std::uint32_t portal = begin; portal < end; ++portal) open += isOpen(portal) ? 1 : 0;
+    return open;
   }
   bool passesThrough(std::uint32_t polygon) const {
-    return waysOf(polygon) == 2 && graph_.neighbourCount[polygon] == 2;
+    return waysOf(polygon) == 2 && neighbourCount_[polygon] == 2;
   }
   bool belongs(std::uint32_t polygon) const {
+    if (!cost_.empty() && cost_[polygon] != 1.0f) return false;
     return waysOf(polygon) == 1 || passesThrough(polygon);
   }
 
@@ -52,8 +64,8 @@ class ChainFinder {
         break;
       }
       const std::uint32_t back = graph_.portalTwin[exit];
-      const std::uint32_t begin = graph_.portalStart[polygon];
-      exit = back == begin ? begin + 1 : begin;
+      exit = graph_.portalStart[polygon];
+      while (exit == back || !isOpen(exit)) ++exit;
     }
     if (walk_.empty()) return;
     chains_.enteredBy[first] = 2 * chains_.chainCount();
@@ -104,6 +116,8 @@ class ChainFinder {
   }
 
   const NavGraph& graph_;
+  std::span<const float> cost_;
+  std::span<const std::uint32_t> neighbourCount_;
   Chains chains_;
   PolygonId deadEnd_ = kNoPolygon;   // of the latest chain that has one
   std::vector<std::uint32_t> walk_;  // half-portals into the polygons of the chain at hand
@@ -111,6 +125,13 @@ class ChainFinder {
 
 }  // namespace
 
-Chains findChains(const NavGraph& graph) { return ChainFinder(graph).find(); }
+Chains findChains(const NavGraph& graph) {
+  return ChainFinder(graph, {}, graph.neighbourCount).find();
+}
+
+Chains findChains(const NavGraph& graph, std::span<const float> cost,
+                  std::span<const std::uint32_t> openNeighbours) {
+  return ChainFinder(graph, cost, openNeighbours).find();
+}
 
 }  // namespace forewalk::navmesh

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "navmesh/polygon_mesh.h"
@@ -23,6 +24,8 @@ struct ChainRow {
   std::uint32_t portal;  ///< half-portal into it
   PolygonId polygon;
   float length;  ///< along portal midpoints from the chain's first to `portal`, metres
+
+  bool operator==(const ChainRow&) const = default;
 };
 
 /// One way through a chain.
@@ -33,6 +36,8 @@ struct DirectedChain {
   PolygonId exitTo;     ///< where that leads; kNoPolygon at a dead end
   float exitLength;     ///< metres, as a row's
   float farthest;       ///< largest `length` and the step from there to the row's centroid, metres
+
+  bool operator==(const DirectedChain&) const = default;
 };
 
 /// Directed chain `d` is one way through, `d ^ 1` the way back, d / 2 their chain. Row r of a way
@@ -52,10 +57,17 @@ struct Chains {
   std::vector<ChainRow> rows;
 
   std::uint32_t chainCount() const { return static_cast<std::uint32_t>(directed.size() / 2); }
+
+  bool operator==(const Chains&) const = default;
 };
 
 /// Finds the chains of a graph whose search rows are filled. O(half-portals); chains in order of
 /// the first half-portal that leads into them.
 Chains findChains(const NavGraph& graph);
+
+/// The same where polygons are closed or cost more (PolygonStates, whose two arrays these are):
+/// what is closed counts as if it were not there, and what costs more than 1 belongs to no chain.
+Chains findChains(const NavGraph& graph, std::span<const float> cost,
+                  std::span<const std::uint32_t> openNeighbours);
 
 }  // namespace forewalk::navmesh

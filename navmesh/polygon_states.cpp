@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "navmesh/plan.h"
 
@@ -21,9 +22,36 @@ Check outOfRange(std::string message) {
 }
 
 Check checkCost(float cost) {
-  if (cost >= 1.0f) return {};  // false for NaN
-  return outOfRange(fmt::format(
-      "polygon states: a cost of {:g} cannot work: give 1 or more, or infinity to close.", cost));
+  if ((cost >= 1.0f && cost <= kHighestCost) || cost == kClosed) return {};  // false for NaN
+  return outOfRange(
+      fmt::format("polygon states: a cost of {:g} cannot work: give 1 to {:g}, or infinity to "
+                  "close.",
+                  cost, kHighestCost));
+}
+
+std::uint32_t openNeighboursOf(const NavGraph& graph, std::span<const float> cost,
+                               std::uint32_t polygon) {
+  const PolygonId* begin = graph.portalTo.data() + graph.portalStart[polygon];
+  const PolygonId* end = graph.portalTo.data() + graph.portalStart[polygon + 1];
+  std::uint32_t count = 0;
+  for (const PolygonId* to = begin; to != end; ++to) {
+    const bool first = std::find(begin, to, *to) == to;
+    count += first && cost[index(*to)] != kClosed ? 1 : 0;
+  }
+  return count;
+}
+
+/// Fills in what follows from the costs.
+void settle(const NavGraph& graph, PolygonStates& states) {
+  if (std::all_of(states.cost.begin(), states.cost.end(), [](float c) { return c == 1.0f; })) {
+    states = PolygonStates{};
+    return;
+  }
+  states.openNeighbours.resize(graph.polygonCount());
+  for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
+    states.openNeighbours[p] = openNeighboursOf(graph, states.cost, p);
+  }
+  states.chains = findChains(graph, states.cost, states.openNeighbours);
 }
 
 bool holds(const PlanArea& area, glm::vec2 plan) {
@@ -104,6 +132,7 @@ Check setCost(const NavGraph& graph, std::span<const PolygonId> polygons, float 
   if (polygons.empty()) return {};
   if (states.cost.empty()) states.cost.assign(graph.polygonCount(), 1.0f);
   for (const PolygonId polygon : polygons) states.cost[index(polygon)] = cost;
+  settle(graph, states);
   return {};
 }
 
@@ -120,6 +149,7 @@ tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
       cost = std::max(cost, areas[i].cost);
     }
   }
+  settle(graph, states);
   return states;
 }
 

@@ -2,9 +2,11 @@
 //
 // An overlay beside the navgraph, which stays as it is and shared. Nothing is rebuilt, so that a
 // door closes with the next frame; where geometry changes, obstacles are carved instead
-// (build/live_mesh.h). Overlays are values: change a copy and publish that, as a World is.
+// (build/live_mesh.h). Overlays are values: change a copy and publish that, as a World is. What a
+// search needs of them beyond the costs is found here as well, off the frame.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
 #include <span>
@@ -19,14 +21,22 @@ namespace forewalk::navmesh {
 /// The cost of a polygon that nobody walks through.
 inline constexpr float kClosed = std::numeric_limits<float>::infinity();
 
-/// Belongs to the one graph it was made for.
+/// The highest cost of a polygon that is open: far above it, floats of the ways through it and of
+/// the others have no digits in common.
+inline constexpr float kHighestCost = 1e6f;
+
+/// Belongs to the one graph it was made for. Changed by setCost only: the rest follows from `cost`.
 struct PolygonStates {
-  /// Per polygon: how many metres one metre through it counts for, >= 1, or kClosed. Empty: 1
-  /// everywhere.
+  /// Per polygon: how many metres one metre through it counts for, 1 to kHighestCost, or kClosed.
+  /// Empty, as are the others: 1 everywhere.
   std::vector<float> cost;
+
+  std::vector<std::uint32_t> openNeighbours;  ///< per polygon: distinct neighbours not closed
+  Chains chains;                              ///< findChains(graph, cost, openNeighbours)
 
   float costOf(PolygonId polygon) const { return cost.empty() ? 1.0f : cost[index(polygon)]; }
   bool isClosed(PolygonId polygon) const { return costOf(polygon) == kClosed; }
+  bool allOpen() const { return cost.empty(); }  ///< and nothing costs more
 
   bool operator==(const PolygonStates&) const = default;
 };
@@ -43,7 +53,7 @@ struct PlanArea {
 /// An area and what it costs.
 struct AreaCost {
   PlanArea area;
-  float cost = kClosed;  ///< >= 1, or kClosed
+  float cost = kClosed;  ///< 1 to kHighestCost, or kClosed
 
   bool operator==(const AreaCost&) const = default;
 };
@@ -56,7 +66,7 @@ std::vector<PolygonId> polygonsIn(const NavGraph& graph, const PlanArea& area);
 /// Sets the cost of some polygons in `states`, which belongs to `graph`.
 ///
 /// Fails, and changes nothing, when a polygon is not in the graph (kDataDamaged) or the cost is
-/// below 1 or not a number (kSettingOutOfRange). O(polygons) at first, then of those named.
+/// not one (kSettingOutOfRange). O(half-portals): set many polygons at once.
 [[nodiscard]] tl::expected<void, Error> setCost(const NavGraph& graph,
                                                 std::span<const PolygonId> polygons, float cost,
                                                 PolygonStates& states);
@@ -64,9 +74,9 @@ std::vector<PolygonId> polygonsIn(const NavGraph& graph, const PlanArea& area);
 /// The states of a graph whose areas have these costs. Where areas overlap the higher cost counts,
 /// so their order does not matter. All at cost 1, or none: empty.
 ///
-/// Fails when a cost is below 1 or not a number, or an area has fewer than 3 corners, a number that
-/// is not finite, or is not convex and counter-clockwise (1 mm) (kSettingOutOfRange, naming which).
-/// O(areas * polygons * corners).
+/// Fails when a cost is neither 1 to kHighestCost nor kClosed, or an area has fewer than 3 corners,
+/// a number that is not finite, or is not convex and counter-clockwise (1 mm) (kSettingOutOfRange,
+/// naming which). O(areas * polygons * corners + half-portals).
 [[nodiscard]] tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
                                                                    std::span<const AreaCost> areas);
 

@@ -16,8 +16,9 @@ HorizonSearch::HorizonSearch(const NavGraph& graph, std::uint32_t polygonLimit)
         std::max(mostNeighbours_, graph.portalStart[polygon + 1] - graph.portalStart[polygon]);
   }
   reach_.resize(graph.polygonCount());
-  chains_.resize(graph.chains.chainCount() + 2);
-  touchedChains_.resize(graph.chains.chainCount() + 2);
+  // States have other chains, never more than polygons.
+  chains_.resize(std::size_t{graph.polygonCount()} + 2);
+  touchedChains_.resize(std::size_t{graph.polygonCount()} + 2);
   // Each half-portal of a settled polygon is pushed at most once. That many for the whole limit
   // would be wasteful in large graphs; a queue that fills up is reported like a tree that does.
   queue_.reserve(std::min<std::size_t>(graph.portalCount(), std::size_t{8} * limit_) +
@@ -87,16 +88,18 @@ void HorizonSearch::label(PolygonId polygon, float key, std::uint32_t portal,
 /// What is known of the chain, or the part of it, that is entered by a directed chain's first row.
 HorizonSearch::ChainReach& HorizonSearch::chainReach(std::uint32_t directed) {
   const std::uint32_t chain = directed / 2;
-  return chains_[chain == ownChain_ ? graph_->chains.chainCount() + directed % 2 : chain];
+  return chains_[chain == ownChain_ ? waysThrough_->chainCount() + directed % 2 : chain];
 }
 
 /// Goes from tree node `node` into a chain; `key` is that of its first portal.
 void HorizonSearch::enterChain(std::uint32_t directed, float key, std::uint32_t node) {
   ChainReach& chain = chainReach(directed);
   if (chain.passage == ChainReach::kUntouched) {
-    startChain(chain, directed, graph_->chains.directed[directed].begin, key, node);
+    startChain(chain, directed, waysThrough_->directed[directed].begin, key, node);
   } else if (chain.passage == ChainReach::kEntered) {
     settleMeeting(chain, directed, key, node);
+  } else if (chain.passage == ChainReach::kCut) {
+    settleRest(chain, directed, key, node);
   }
 }
 
@@ -112,7 +115,7 @@ void HorizonSearch::startChain(ChainReach& chain, std::uint32_t directed, std::u
   chain.begin = begin;
   chain.node = node;
   chain.key = key;
-  const navmesh::DirectedChain& way = graph_->chains.directed[directed];
+  const navmesh::DirectedChain& way = waysThrough_->directed[directed];
   if (way.exit == kNoChain) {
     settleChain(chain);  // nobody can come from the other end
   } else {
@@ -125,8 +128,8 @@ void HorizonSearch::startChain(ChainReach& chain, std::uint32_t directed, std::u
 HorizonSearch::Walked HorizonSearch::settleRows(std::uint32_t directed, std::uint32_t begin,
                                                 std::uint32_t end, float key, std::uint32_t node) {
   // By keys all of the chain is within, mostly, and then it is so by taut lengths.
-  const bool within = key + graph_->chains.directed[directed].farthest <= horizon_;
-  const navmesh::ChainRow* rows = graph_->chains.rows.data();
+  const bool within = key + waysThrough_->directed[directed].farthest <= horizon_;
+  const navmesh::ChainRow* rows = waysThrough_->rows.data();
   for (std::uint32_t row = begin; row < end; ++row) {
     if (count_ == limit_) {
       tree_[node].dropped = true;
@@ -147,19 +150,29 @@ HorizonSearch::Walked HorizonSearch::settleRows(std::uint32_t directed, std::uin
 
 /// Settles all of a chain the way it was entered.
 HorizonSearch::Walked HorizonSearch::settleChain(ChainReach& chain) {
-  const std::uint32_t end = graph_->chains.directed[chain.directed].end;
+  const std::uint32_t end = waysThrough_->directed[chain.directed].end;
   const Walked walked = settleRows(chain.directed, chain.begin, end, chain.key, chain.node);
-  chain.passage = ChainReach::kSettled;
+  chain.passage = walked.cut ? ChainReach::kCut : ChainReach::kSettled;
+  chain.begin = walked.row;
   return walked;
+}
+
+/// Settles what lies beyond the cut of a chain, entered from its other end by `directed`.
+void HorizonSearch::settleRest(ChainReach& chain, std::uint32_t directed, float key,
+                               std::uint32_t node) {
+  const std::uint32_t back = waysThrough_->directed[directed].begin;
+  const std::uint32_t end = waysThrough_->directed[chain.directed].end;
+  settleRows(directed, back, back + end - chain.begin, key, node);
+  chain.passage = ChainReach::kSettled;
 }
 
 /// Settles a chain that was entered from one end and now, at `key`, from the other by `directed`:
 /// each polygon from where it is nearer, or from where it can be reached.
 void HorizonSearch::settleMeeting(ChainReach& chain, std::uint32_t directed, float key,
                                   std::uint32_t node) {
-  const navmesh::ChainRow* rows = graph_->chains.rows.data();
-  const std::uint32_t end = graph_->chains.directed[chain.directed].end;
-  const std::uint32_t back = graph_->chains.directed[directed].begin;
+  const navmesh::ChainRow* rows = waysThrough_->rows.data();
+  const std::uint32_t end = waysThrough_->directed[chain.directed].end;
+  const std::uint32_t back = waysThrough_->directed[directed].begin;
   const std::uint32_t mirror = back + end - 1;
   std::uint32_t meeting = chain.begin;
   while (meeting < end && chain.key + rows[meeting].length <= key + rows[mirror - meeting].length) {
@@ -178,27 +191,60 @@ void HorizonSearch::settleMeeting(ChainReach& chain, std::uint32_t directed, flo
   chain.passage = ChainReach::kSettled;
 }
 
+void HorizonSearch::useStates(const navmesh::PolygonStates* states, PolygonId source) {
+  states_ = states == nullptr || states->allOpen() ? nullptr : states;
+  assert(states_ == nullptr || states_->cost.size() == graph_->polygonCount());
+  waysThrough_ = states_ == nullptr ? &graph_->chains : &states_->chains;
+  neighbourCount_ = (states_ == nullptr ? graph_->neighbourCount : states_->openNeighbours).data();
+  leaves_ = states_ != nullptr && states_->isClosed(source) ? source : navmesh::kNoPolygon;
+}
+
+bool HorizonSearch::isEntered(std::uint32_t portal) const {
+  return states_ == nullptr || !states_->isClosed(graph_->portalTo[portal]);
+}
+
+/// Of a polygon within the horizon, in no chain.
+bool HorizonSearch::isBranch(PolygonId polygon) const {
+  const std::uint32_t count = neighbourCount_[index(polygon)];
+  if (leaves_ == navmesh::kNoPolygon || count != 2) return count > 2;
+  const PolygonId* to = graph_->portalTo.data();
+  const PolygonId* end = to + graph_->portalStart[index(polygon) + 1];
+  return std::find(to + graph_->portalStart[index(polygon)], end, leaves_) != end;
+}
+
+/// Offers what lies behind a half-portal a way.
+inline void HorizonSearch::offer(std::uint32_t portal, float key, std::uint32_t node) {
+  const std::uint32_t directed = waysThrough_->enteredBy[portal];
+  if (directed != kNoChain) {
+    enterChain(directed, key, node);
+  } else {
+    label(graph_->portalTo[portal], key, portal, node);
+  }
+}
+
 void HorizonSearch::relaxFromSource(const navmesh::Location& source) {
   const std::uint32_t begin = graph_->portalStart[index(source.polygon)];
   const std::uint32_t end = graph_->portalStart[index(source.polygon) + 1];
-  relaxed_ += end - begin;
+  const bool leaves = leaves_ != navmesh::kNoPolygon;
+  const float cost = states_ == nullptr || leaves ? 1.0f : states_->costOf(source.polygon);
   topTaken_ = true;
   for (std::uint32_t portal = begin; portal < end && !limitReached_; ++portal) {
-    const float key = glm::distance(source.plan, graph_->portalMidpoint[portal]);
-    const std::uint32_t directed = graph_->chains.enteredBy[portal];
+    if (!isEntered(portal)) continue;
+    ++relaxed_;
+    const float key = cost * glm::distance(source.plan, graph_->portalMidpoint[portal]);
     if (ownChain_ != kNoChain) {
       enterOwnChain(portal, key);
-    } else if (directed != kNoChain) {
-      enterChain(directed, key, 0);
-    } else {
+    } else if (leaves) {
       label(graph_->portalTo[portal], key, portal, 0);
+    } else {
+      offer(portal, key, 0);
     }
   }
 }
 
 /// The same from the middle of a chain.
 void HorizonSearch::enterOwnChain(std::uint32_t portal, float key) {
-  const navmesh::Chains& chains = graph_->chains;
+  const navmesh::Chains& chains = *waysThrough_;
   const std::uint32_t even = 2 * ownChain_;
   const std::uint32_t row = chains.rowOf[index(tree_[0].polygon)];
   const std::uint32_t mirror = chains.directed[even + 1].begin + chains.directed[even].end - 1;
@@ -229,11 +275,31 @@ void HorizonSearch::relax(std::uint32_t node) {
   relaxed_ += end - begin;
   topTaken_ = false;
   for (std::uint32_t portal = begin; portal < end; ++portal) {
-    const std::uint32_t directed = graph_->chains.enteredBy[portal];
-    if (directed != kNoChain) {
-      enterChain(directed, key + length[portal - begin], node);
+    offer(portal, key + length[portal - begin], node);
+  }
+  if (!topTaken_) queue_.pop();
+}
+
+/// The same where polygons are closed or cost more.
+void HorizonSearch::relaxByCost(std::uint32_t node) {
+  const SearchNode& from = tree_[node];
+  const std::uint32_t begin = graph_->portalStart[index(from.polygon)];
+  const std::uint32_t end = graph_->portalStart[index(from.polygon) + 1];
+  const float* length = graph_->successorLength.data() + graph_->successorStart[from.portal];
+  const float cost = states_->costOf(from.polygon);
+  const float key = from.key;
+  // Who leaves a closed polygon may come into the middle of a chain, of which the states' chains
+  // know nothing. That is rare, and then all polygons go through the queue.
+  const bool plain = leaves_ != navmesh::kNoPolygon;
+  topTaken_ = false;
+  for (std::uint32_t portal = begin; portal < end; ++portal) {
+    if (!isEntered(portal)) continue;
+    ++relaxed_;
+    const float there = key + cost * length[portal - begin];
+    if (plain) {
+      label(graph_->portalTo[portal], there, portal, node);
     } else {
-      label(graph_->portalTo[portal], key + length[portal - begin], portal, node);
+      offer(portal, there, node);
     }
   }
   if (!topTaken_) queue_.pop();
@@ -293,8 +359,12 @@ void HorizonSearch::settleTop(PolygonId polygon, const Reach& reach) {
   }
   const std::uint32_t node = settle(polygon, reach.parent, reach.portal, reach.key);
   if (judge(node)) {
-    tree_[node].branch = graph_->neighbourCount[index(polygon)] > 2;
-    relax(node);
+    tree_[node].branch = isBranch(polygon);
+    if (states_ == nullptr) {
+      relax(node);
+    } else {
+      relaxByCost(node);
+    }
   } else {
     queue_.pop();
   }
@@ -309,7 +379,7 @@ void HorizonSearch::arrive(std::uint32_t directed, float key) {
     return;
   }
   const Walked walked = settleChain(chain);
-  const navmesh::DirectedChain& way = graph_->chains.directed[directed];
+  const navmesh::DirectedChain& way = waysThrough_->directed[directed];
   Reach& reach = reach_[index(way.exitTo)];
   if (walked.cut || key >= reach.key) {
     queue_.pop();
@@ -322,15 +392,17 @@ void HorizonSearch::arrive(std::uint32_t directed, float key) {
 }
 
 void HorizonSearch::run(const navmesh::Location& source, float horizon,
-                        std::vector<Corner>& corners, Limit limit) {
+                        std::vector<Corner>& corners, Limit limit,
+                        const navmesh::PolygonStates* states) {
   assert(index(source.polygon) < graph_->polygonCount());
   reset();
+  useStates(states, source.polygon);
   funnels_.restart(*graph_, source.plan, source.height, corners);
   source_ = source.plan;
   horizon_ = horizon;
   by_ = limit;
   corners_ = &corners;
-  ownChain_ = graph_->chains.ofPolygon[index(source.polygon)];
+  ownChain_ = waysThrough_->ofPolygon[index(source.polygon)];
 
   reach_[index(source.polygon)].key = 0.0f;
   settle(source.polygon, 0, kNone, 0.0f);

@@ -16,6 +16,13 @@
 // arrivals at the far ends of chains, go through the queue. The tree is that of the plain search,
 // in another order: a chain is settled when the way through it arrives, or when it is entered from
 // its far end as well and the two ways meet inside.
+//
+// Polygons may be closed or cost more (navmesh/polygon_states.h). A closed polygon is not entered:
+// the tree is that of the graph without it. Who stands in one sees what they would see were it
+// open. A step through a polygon, from portal midpoint to portal midpoint, counts as often in the
+// key as the polygon costs, so that the tree holds the ways people take: a dear one only where the
+// way around costs as much. Taut lengths and the horizon stay metres of walking: a way around that
+// is longer than the horizon is cut there, even where the dear way would not be.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +32,7 @@
 
 #include "navmesh/key_queue.h"
 #include "navmesh/nav_graph.h"
+#include "navmesh/polygon_states.h"
 #include "prediction/funnel_tree.h"
 #include "prediction/prediction_graph.h"
 
@@ -35,7 +43,7 @@ struct SearchNode {
   PolygonId polygon;
   std::uint32_t parent;  ///< index in the tree; of the source: 0
   std::uint32_t portal;  ///< half-portal of the parent's polygon it was entered by; source: kNone
-  float key;             ///< metres, see above; source: 0
+  float key;             ///< metres, each as often as it costs, see above; source: 0
   std::uint32_t corner;  ///< before its centroid on the taut path (FunnelTree::cornerBefore with
                          ///< the horizon as enough), where the search needed it; else kNone
   std::uint32_t prevPG;  ///< index in the tree: the branch node or source before it; source: 0
@@ -60,10 +68,11 @@ class HorizonSearch {
   HorizonSearch(const navmesh::NavGraph& graph, std::uint32_t polygonLimit);
 
   /// Searches from `source` (a valid polygon, `source.plan` in it) out to `horizon` metres (>= 0).
-  /// Corners go into `corners`, which is cleared; reserve cornerCapacity(). O(n log n) in the
-  /// polygons within the horizon, whatever the size of the graph.
+  /// Corners go into `corners`, which is cleared; reserve cornerCapacity(). `states` are of this
+  /// graph; none: all is open. O(n log n) in the polygons within
+  /// the horizon, whatever the size of the graph.
   void run(const navmesh::Location& source, float horizon, std::vector<Corner>& corners,
-           Limit limit = Limit::kTaut);
+           Limit limit = Limit::kTaut, const navmesh::PolygonStates* states = nullptr);
 
   /// The settled polygons. Lives until the next run.
   std::span<const SearchNode> tree() const { return {tree_.data(), count_}; }
@@ -96,9 +105,10 @@ class HorizonSearch {
 
   /// What is known of a chain, or of a part of the user's own chain.
   struct ChainReach {
-    enum Passage : std::uint32_t { kUntouched, kEntered, kSettled } passage = kUntouched;
+    // kCut: settled up to the first row beyond the horizon; the rest is entered from its other end.
+    enum Passage : std::uint32_t { kUntouched, kEntered, kCut, kSettled } passage = kUntouched;
     std::uint32_t directed = 0;  // the way it was entered
-    std::uint32_t begin = 0;     // its first row
+    std::uint32_t begin = 0;     // its first row; where it was cut: the row after that
     std::uint32_t node = 0;      // tree index of the polygon before it
     float key = 0.0f;            // a row's is `key` and its length
   };
@@ -117,9 +127,14 @@ class HorizonSearch {
   std::uint32_t settle(PolygonId polygon, std::uint32_t parent, std::uint32_t portal, float key);
   void settleTop(PolygonId polygon, const Reach& reach);
   void arrive(std::uint32_t directed, float key);
+  void useStates(const navmesh::PolygonStates* states, PolygonId source);
+  bool isEntered(std::uint32_t portal) const;
+  bool isBranch(PolygonId polygon) const;
   void relaxFromSource(const navmesh::Location& source);
   void enterOwnChain(std::uint32_t portal, float key);
   void relax(std::uint32_t node);
+  void relaxByCost(std::uint32_t node);
+  void offer(std::uint32_t portal, float key, std::uint32_t node);
   void label(PolygonId polygon, float key, std::uint32_t portal, std::uint32_t parent);
   void enqueue(float key, std::uint32_t entry);
   ChainReach& chainReach(std::uint32_t directed);
@@ -128,6 +143,7 @@ class HorizonSearch {
   void startChain(ChainReach& chain, std::uint32_t directed, std::uint32_t begin, float key,
                   std::uint32_t node);
   Walked settleChain(ChainReach& chain);
+  void settleRest(ChainReach& chain, std::uint32_t directed, float key, std::uint32_t node);
   void settleMeeting(ChainReach& chain, std::uint32_t directed, float key, std::uint32_t node);
   Walked settleRows(std::uint32_t directed, std::uint32_t begin, std::uint32_t end, float key,
                     std::uint32_t node);
@@ -152,6 +168,10 @@ class HorizonSearch {
   float completeTo_ = std::numeric_limits<float>::infinity();
 
   // Of the run at hand.
+  const navmesh::Chains* waysThrough_ = nullptr;    // the graph's, or those of the states
+  const std::uint32_t* neighbourCount_ = nullptr;   // likewise
+  const navmesh::PolygonStates* states_ = nullptr;  // null where nothing is closed or costs more
+  PolygonId leaves_ = navmesh::kNoPolygon;          // the user's polygon, where that is closed
   glm::vec2 source_{};
   float horizon_ = 0.0f;
   Limit by_ = Limit::kTaut;

@@ -282,7 +282,8 @@ Scratch::Scratch(const NavGraph& graph, const PredictionLimits& limits)
 }
 
 const PredictionGraph& predict(const NavGraph& navGraph, const navmesh::Location& source,
-                               float horizon, Scratch& scratch) {
+                               float horizon, Scratch& scratch,
+                               const navmesh::PolygonStates* states) {
   PredictionGraph& graph = scratch.graph_;
   clear(graph);
   graph.horizon = horizon > 0.0f ? horizon : 0.0f;
@@ -293,7 +294,7 @@ const PredictionGraph& predict(const NavGraph& navGraph, const navmesh::Location
     return graph;
   }
 
-  scratch.search_.run(source, graph.horizon, graph.corners);
+  scratch.search_.run(source, graph.horizon, graph.corners, HorizonSearch::Limit::kTaut, states);
   const std::span<const SearchNode> tree = scratch.search_.tree();
   scratch.nodeOf_.resize(tree.size());
   scratch.treeOf_.clear();

@@ -14,8 +14,13 @@
 // toward the first polygon beyond; the polygon before it is then no terminal of its own. A way that
 // ends because every neighbour is on a way already ends at the last polygon's centroid, as a dead
 // end.
+//
+// Where polygons are closed or cost more (navmesh/polygon_states.h) the ways are those that people
+// take then: none through what is closed, and around what costs more where that is cheaper. All
+// lengths are metres of walking still, and the horizon is too.
 #pragma once
 
+#include "navmesh/polygon_states.h"
 #include "prediction/horizon_search.h"
 #include "prediction/prediction_graph.h"
 
@@ -34,7 +39,7 @@ class Scratch {
 
  private:
   friend const PredictionGraph& predict(const navmesh::NavGraph&, const navmesh::Location&, float,
-                                        Scratch&);
+                                        Scratch&, const navmesh::PolygonStates*);
   HorizonSearch search_;
   PredictionGraph graph_;
   std::vector<std::uint32_t> nodeOf_;      // per tree index: its node, or kNone
@@ -44,7 +49,8 @@ class Scratch {
 };
 
 /// The prediction graph around `source` (from navmesh::locate) out to `horizon` metres (>= 0,
-/// finite).
+/// finite), where `states` of this navgraph say what is closed and what costs more; none: all is
+/// open. Nobody enters a closed polygon; who stands in one may leave it.
 ///
 /// Never fails: an invalid source polygon gives a graph of the source alone with kSourceOffMesh,
 /// and a graph that reaches the polygon limit says so (kPolygonLimit), its dropped ways ending as
@@ -54,6 +60,7 @@ class Scratch {
 /// polygons within the horizon, whatever the size of the world; allocates nothing once the buffers
 /// have grown to the largest graph seen.
 const PredictionGraph& predict(const navmesh::NavGraph& graph, const navmesh::Location& source,
-                               float horizon, Scratch& scratch);
+                               float horizon, Scratch& scratch,
+                               const navmesh::PolygonStates* states = nullptr);
 
 }  // namespace forewalk::prediction

@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds kCollectEvery{100};
 
 struct Delivery {
   WorldVersion version;
-  rdw::PreparedWorld prepared;  // empty where the session is in that world already
+  rdw::PreparedWorld prepared;  // only states where the session is in that world already
   Delivery* next = nullptr;     // given back before this one
 };
 
@@ -46,6 +46,7 @@ struct WorldSlot {
 
   // LiveWorld's, under its versionMutex_.
   std::optional<prediction::PredictionLimits> limits;  // of the session; none: no session
+  prediction::Method method = prediction::Method::kPolygon;
   std::shared_ptr<const navmesh::World> sessionWorld;  // what was last prepared for it
   int out = 0;                                         // deliveries neither taken back nor freed
 };
@@ -72,8 +73,10 @@ bool WorldReader::take(rdw::Session* session) {
   Delivery* delivery = slot_->incoming.exchange(nullptr, std::memory_order_acquire);
   if (delivery == nullptr) return false;  // taken back for a newer one
   std::swap(version_, delivery->version);
-  if (session != nullptr && delivery->prepared.scratch != nullptr) {
+  if (session != nullptr && delivery->prepared.world != nullptr) {
     session->enter(delivery->prepared);
+  } else if (session != nullptr) {
+    session->setStates(delivery->prepared.states);
   }
   // What was left goes back. Repeats only where LiveWorld takes the stack in between.
   delivery->next = slot_->returned.load(std::memory_order_relaxed);
@@ -151,15 +154,18 @@ void LiveWorld::removeArea(AreaId id) {
   }
 }
 
-WorldReader LiveWorld::reader() { return add(std::nullopt); }
+WorldReader LiveWorld::reader() { return add(std::nullopt, prediction::Method::kPolygon); }
 
-WorldReader LiveWorld::readerForSession(const prediction::PredictionLimits& limits) {
-  return add(limits);
+WorldReader LiveWorld::readerForSession(const prediction::PredictionLimits& limits,
+                                        prediction::Method method) {
+  return add(limits, method);
 }
 
-WorldReader LiveWorld::add(std::optional<prediction::PredictionLimits> limits) {
+WorldReader LiveWorld::add(std::optional<prediction::PredictionLimits> limits,
+                           prediction::Method method) {
   auto slot = std::make_shared<WorldSlot>();
   slot->limits = limits;
+  slot->method = method;
   const Lock lock(versionMutex_);
   if (limits) slot->sessionWorld = newest_.world;
   slots_.push_back(slot);
@@ -238,6 +244,7 @@ tl::expected<void, Error> LiveWorld::publish(std::shared_ptr<const navmesh::Worl
   for (const auto& [id, area] : areas_) areas.push_back(area);
   auto states = navmesh::makePolygonStates(world->graph, areas);
   if (!states) return tl::unexpected(states.error());
+  if (world != newest_.world) frontIndex_ = nullptr;
   newest_ = {newest_.number + 1, std::move(world),
              std::make_shared<const navmesh::PolygonStates>(std::move(*states))};
   status_.version = newest_.number;
@@ -257,9 +264,13 @@ void LiveWorld::deliver(WorldSlot& slot) {
   }
   delivery->version = newest_;
   if (slot.limits && slot.sessionWorld != newest_.world) {
-    delivery->prepared = rdw::prepareWorld(newest_.world, *slot.limits);
+    if (slot.method == prediction::Method::kFront && frontIndex_ == nullptr) {
+      frontIndex_ = rdw::makeFrontIndex(*newest_.world);
+    }
+    delivery->prepared = rdw::prepareWorld(newest_.world, *slot.limits, slot.method, frontIndex_);
     slot.sessionWorld = newest_.world;
   }
+  delivery->prepared.states = newest_.states;
   slot.incoming.store(delivery.release(), std::memory_order_release);
 }
 

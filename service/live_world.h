@@ -49,7 +49,7 @@ class WorldReader {
   bool update() { return take(nullptr); }
 
   /// The same for a session that walks in version().world, between its frames: it enters the new
-  /// world. For readers made for a session.
+  /// world, and its predictions know what is closed there. For readers made for a session.
   bool update(rdw::Session& session) { return take(&session); }
 
   /// The version taken last. Lives until the next update.
@@ -99,7 +99,7 @@ class LiveWorld {
   /// Fails as navmesh::validate(Obstacle) does; then none is taken up.
   [[nodiscard]] tl::expected<void, Error> change(std::span<const navmesh::ObstacleChange> changes);
 
-  /// Closes, opens or prices an area; published when the call returns. Nothing is rebuilt. Which
+  /// Closes, opens or prices an area; published when the call returns. No tile is rebuilt. Which
   /// polygons it holds is found again in every world (navmesh::polygonsIn).
   /// Fails as navmesh::makePolygonStates does.
   [[nodiscard]] tl::expected<void, Error> setArea(AreaId id, navmesh::AreaCost area);
@@ -111,8 +111,10 @@ class LiveWorld {
   WorldReader reader();
 
   /// The same for a session to be made in version().world: what the session needs in each new world
-  /// is made here. `limits` are those of its settings.
-  WorldReader readerForSession(const prediction::PredictionLimits& limits);
+  /// is made here. `limits` and `method` are those of its settings, whose states are
+  /// version().states.
+  WorldReader readerForSession(const prediction::PredictionLimits& limits,
+                               prediction::Method method = prediction::Method::kPolygon);
 
   /// Returns when all changes so far are published, or have failed.
   void waitUntilDone();
@@ -121,7 +123,7 @@ class LiveWorld {
 
  private:
   LiveWorld(navmesh::LiveMesh mesh, unsigned threads);
-  WorldReader add(std::optional<prediction::PredictionLimits> limits);
+  WorldReader add(std::optional<prediction::PredictionLimits> limits, prediction::Method method);
   void run();
   void apply(const std::vector<navmesh::ObstacleChange>& changes);
   tl::expected<void, Error> publish(std::shared_ptr<const navmesh::World> world);
@@ -138,6 +140,7 @@ class LiveWorld {
   // The newest version and who reads it.
   mutable std::mutex versionMutex_;
   WorldVersion newest_;
+  std::shared_ptr<const prediction::FrontIndex> frontIndex_;  // of its world, once it was needed
   std::map<AreaId, navmesh::AreaCost> areas_;
   std::vector<std::shared_ptr<WorldSlot>> slots_;
   LiveWorldStatus status_;

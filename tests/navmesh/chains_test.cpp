@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "navmesh/nav_graph.h"
+#include "navmesh/polygon_states.h"
+#include "navmesh/random.h"
 #include "tests/support/random_mesh.h"
+#include "tests/support/without.h"
 
 namespace forewalk::navmesh {
 namespace {
@@ -115,6 +120,72 @@ TEST(Chains, AreTheSameWalkedBackwards) {
       EXPECT_NEAR(way.exitLength, back.exitLength, 1e-4f);
     }
   }
+}
+
+TEST(Chains, AreThoseOfTheMeshWithoutWhatIsClosed) {
+  std::size_t rows = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const double holes = 0.1 * static_cast<double>(seed % 6);
+    const PolygonMesh mesh = testing::randomMesh(seed, 12, 9, {.holeShare = holes});
+    const NavGraph graph = graphOf(mesh);
+    std::mt19937_64 rng(seed);
+    std::vector<bool> closed(graph.polygonCount());
+    std::vector<PolygonId> polygons;
+    for (std::uint32_t p = 1; p < graph.polygonCount(); ++p) {
+      closed[p] = uniform(rng) < 0.03 * static_cast<double>(seed % 8);
+      if (closed[p]) polygons.push_back(PolygonId{p});
+    }
+    PolygonStates states;
+    ASSERT_TRUE(setCost(graph, polygons, kClosed, states));
+    if (states.allOpen()) continue;
+    const auto [leftMesh, oldOf] = testing::without(mesh, closed);
+    const NavGraph left = graphOf(leftMesh);
+    ASSERT_EQ(states.chains.directed.size(), left.chains.directed.size());
+    for (std::size_t d = 0; d < left.chains.directed.size(); ++d) {
+      const DirectedChain &here = states.chains.directed[d], &there = left.chains.directed[d];
+      EXPECT_EQ(here.begin, there.begin);
+      EXPECT_EQ(here.end, there.end);
+      EXPECT_EQ(here.exit == kNoChain, there.exit == kNoChain);
+      EXPECT_EQ(here.exitLength, there.exitLength);
+      EXPECT_EQ(here.farthest, there.farthest);
+    }
+    ASSERT_EQ(states.chains.rows.size(), left.chains.rows.size());
+    for (std::size_t row = 0; row < left.chains.rows.size(); ++row, ++rows) {
+      EXPECT_EQ(index(states.chains.rows[row].polygon),
+                oldOf[index(left.chains.rows[row].polygon)]);
+      EXPECT_EQ(states.chains.rows[row].length, left.chains.rows[row].length);
+    }
+    for (std::uint32_t p = 0; p < left.polygonCount(); ++p) {
+      EXPECT_EQ(states.openNeighbours[oldOf[p]], left.neighbourCount[p]);
+      EXPECT_EQ(states.chains.ofPolygon[oldOf[p]], left.chains.ofPolygon[p]);
+      EXPECT_EQ(states.chains.rowOf[oldOf[p]], left.chains.rowOf[p]);
+    }
+    for (const PolygonId polygon : polygons) {
+      EXPECT_EQ(states.chains.ofPolygon[index(polygon)], kNoChain);
+    }
+  }
+  EXPECT_GT(rows, 500u);
+}
+
+TEST(Chains, HoldNothingThatCostsMore) {
+  std::size_t cut = 0;
+  for (const NavGraph& graph : graphs()) {
+    std::vector<PolygonId> dear;
+    for (std::uint32_t p = 0; p < graph.polygonCount(); p += 5) dear.push_back(PolygonId{p});
+    PolygonStates states;
+    ASSERT_TRUE(setCost(graph, dear, 2.0f, states));
+    for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
+      const std::uint32_t before = graph.chains.ofPolygon[p];
+      if (states.cost[p] > 1.0f) {
+        EXPECT_EQ(states.chains.ofPolygon[p], kNoChain);
+        cut += before != kNoChain;
+      } else if (before != kNoChain) {
+        // The rest of a chain that they were in still is one: now it has ends.
+        EXPECT_NE(states.chains.ofPolygon[p], kNoChain);
+      }
+    }
+  }
+  EXPECT_GT(cut, 100u);
 }
 
 }  // namespace

@@ -32,9 +32,11 @@ struct Settled {
   bool within;
 };
 
-// DESIGN.md section 3, step 2, polygon by polygon: no queue, no chains, no shared funnels.
+// DESIGN.md section 3, step 2, polygon by polygon: no queue, no chains, no shared funnels. A step
+// through a polygon counts as often as that costs; nobody enters what is closed.
 std::map<std::uint32_t, Settled> plainSearch(const NavGraph& graph, const navmesh::Location& source,
-                                             double horizon, HorizonSearch::Limit limit) {
+                                             double horizon, HorizonSearch::Limit limit,
+                                             const navmesh::PolygonStates& states = {}) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::uint32_t start = index(source.polygon);
   std::map<std::uint32_t, Settled> open{{start, {0.0, start, kNone, true}}};
@@ -63,12 +65,14 @@ std::map<std::uint32_t, Settled> plainSearch(const NavGraph& graph, const navmes
     }
     settled[polygon] = here;
     if (!here.within) continue;
+    const bool leaves = states.isClosed(PolygonId{polygon});
+    const double cost = leaves ? 1.0 : static_cast<double>(states.costOf(PolygonId{polygon}));
     for (std::uint32_t h = graph.portalStart[polygon]; h < graph.portalStart[polygon + 1]; ++h) {
       const std::uint32_t to = index(graph.portalTo[h]);
-      if (settled.contains(to)) continue;
+      if (settled.contains(to) || states.isClosed(PolygonId{to})) continue;
       const glm::vec2 from = polygon == start ? source.plan : graph.portalMidpoint[here.portal];
       const double key =
-          here.key + static_cast<double>(glm::distance(from, graph.portalMidpoint[h]));
+          here.key + cost * static_cast<double>(glm::distance(from, graph.portalMidpoint[h]));
       const auto found = open.find(to);
       if (found == open.end() || key < found->second.key) open[to] = {key, polygon, h, true};
     }
@@ -119,6 +123,57 @@ TEST(HorizonSearch, SettlesWhatAPlainDepthLimitedDijkstraSettles) {
   }
   EXPECT_GT(compared, 20000u);
   EXPECT_GT(inChains, compared / 4);
+}
+
+TEST(HorizonSearch, SettlesWhatAPlainSearchSettlesWherePolygonsAreClosedOrCostMore) {
+  std::size_t compared = 0, inChains = 0, dear = 0, onClosed = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    for (const auto& mesh : worlds(seed)) {
+      const NavGraph graph = graphOf(mesh);
+      HorizonSearch search(graph, graph.polygonCount());
+      std::vector<Corner> corners;
+      corners.reserve(search.cornerCapacity());
+      std::mt19937_64 rng(seed);
+      const double share = 0.05 * static_cast<double>(1 + seed % 4);
+      std::map<float, std::vector<PolygonId>> byCost;
+      for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
+        if (navmesh::uniform(rng) < share) byCost[navmesh::kClosed].push_back(PolygonId{p});
+        if (navmesh::uniform(rng) < share) byCost[1.5f].push_back(PolygonId{p});
+        if (navmesh::uniform(rng) < share) byCost[20.0f].push_back(PolygonId{p});
+      }
+      navmesh::PolygonStates states;
+      for (const auto& [cost, polygons] : byCost) {
+        ASSERT_TRUE(navmesh::setCost(graph, polygons, cost, states));
+      }
+      for (const auto& source : testing::randomStarts(graph, 6, seed)) {
+        onClosed += states.isClosed(source.polygon);
+        for (const auto limit : {HorizonSearch::Limit::kTaut, HorizonSearch::Limit::kKey}) {
+          const float horizon = 2.5f + static_cast<float>(seed % 9);
+          search.run(source, horizon, corners, limit, &states);
+          const auto plain =
+              plainSearch(graph, source, static_cast<double>(horizon), limit, states);
+          ASSERT_EQ(search.tree().size(), plain.size()) << "seed " << seed;
+          for (const SearchNode& node : search.tree()) {
+            const auto found = plain.find(index(node.polygon));
+            ASSERT_NE(found, plain.end()) << "seed " << seed;
+            const Settled& theirs = found->second;
+            EXPECT_NEAR(node.key, theirs.key, 1e-5 * (10.0 + theirs.key));
+            EXPECT_EQ(index(search.tree()[node.parent].polygon), theirs.parent);
+            EXPECT_EQ(node.portal, theirs.portal);
+            EXPECT_EQ(node.within, theirs.within) << "seed " << seed << " " << index(node.polygon);
+            ++compared;
+            inChains += !states.allOpen() &&
+                        states.chains.ofPolygon[index(node.polygon)] != navmesh::kNoChain;
+            dear += states.costOf(node.polygon) > 1.0f;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(compared, 20000u);
+  EXPECT_GT(inChains, compared / 8);
+  EXPECT_GT(dear, compared / 20);
+  EXPECT_GT(onClosed, 100u);
 }
 
 TEST(HorizonSearch, PutsParentsBeforeTheirChildrenAndTellsThemOfIt) {

@@ -96,7 +96,16 @@ rdw::Session sessionIn(const WorldVersion& version, glm::vec3 start) {
   settings.horizon = 5.0f;
   settings.controller = "none";
   settings.prediction.polygons = 256;
+  settings.states = version.states;
   return std::move(*rdw::Session::make(version.world, settings));
+}
+
+/// Whether one of the ways out comes into the other room, beyond the wall at x = 6.
+bool seesTheOtherRoom(const rdw::FrameResult& result) {
+  for (const prediction::Node& node : result.graph->nodes) {
+    if (node.plan.x > 6.6f) return true;
+  }
+  return false;
 }
 
 prediction::PredictionLimits smallLimits() {
@@ -252,6 +261,71 @@ TEST(LiveWorld, TakesASessionAlongThroughEveryWorld) {
   ASSERT_TRUE(reader.update(session));
   EXPECT_EQ(&session.world(), reader.version().world.get());
   EXPECT_EQ(session.frame(head(0, 0), 0.04).flags & rdw::kGroundTaken, 0u);
+}
+
+TEST(LiveWorld, HandsOnToASessionWhatIsClosedInItsWorld) {
+  const auto live = made();
+  WorldReader reader = live->readerForSession(smallLimits());
+  rdw::Session session = sessionIn(reader.version(), kLeft);
+  auto frame = [&, i = 0]() mutable -> const rdw::FrameResult& {
+    return session.frame(head(0, 0), 0.02 * i++);
+  };
+  const std::uint64_t open = prediction::hashOf(*frame().graph);
+  EXPECT_TRUE(seesTheOtherRoom(session.result()));
+  ASSERT_TRUE(live->setArea(AreaId{1}, {kDoorway, navmesh::kClosed}));
+  EXPECT_EQ(prediction::hashOf(*frame().graph), open) << "not before the session takes it";
+  ASSERT_TRUE(reader.update(session));
+  EXPECT_FALSE(seesTheOtherRoom(frame()));
+  // A world that comes with the door closed has it closed.
+  changeAndWait(*live, {put(1, kRight)});
+  ASSERT_TRUE(reader.update(session));
+  EXPECT_FALSE(seesTheOtherRoom(frame()));
+  changeAndWait(*live, {gone(1)});
+  live->removeArea(AreaId{1});
+  ASSERT_TRUE(reader.update(session));
+  EXPECT_EQ(prediction::hashOf(*frame().graph), open);
+  EXPECT_FALSE(reader.update(session));
+  // Whoever joins while it is closed finds it closed.
+  ASSERT_TRUE(live->setArea(AreaId{1}, {kDoorway, navmesh::kClosed}));
+  WorldReader late = live->readerForSession(smallLimits());
+  rdw::Session joined = sessionIn(late.version(), kLeft);
+  EXPECT_FALSE(seesTheOtherRoom(joined.frame(head(0, 0), 0.0)));
+}
+
+TEST(LiveWorld, LeavesTheEndOfOldStatesToItsThread) {
+  const auto live = made();
+  WorldReader reader = live->readerForSession(smallLimits());
+  rdw::Session session = sessionIn(reader.version(), kLeft);
+  std::weak_ptr<const navmesh::PolygonStates> first = reader.version().states;
+  session.frame(head(0, 0), 0.0);
+  ASSERT_TRUE(live->setArea(AreaId{1}, {kDoorway, navmesh::kClosed}));
+  const std::uint64_t heap = heapCalls;
+  ASSERT_TRUE(reader.update(session));
+  EXPECT_EQ(heapCalls, heap);
+  EXPECT_TRUE(comesTrue([&] {
+    const std::vector none{gone(9)};
+    return live->change(none) && first.expired();
+  }));
+}
+
+TEST(LiveWorld, ServesSessionsThatPredictByFronts) {
+  const auto live = made();
+  WorldReader reader = live->readerForSession(smallLimits(), prediction::Method::kFront);
+  rdw::SessionSettings settings;
+  settings.start = rdw::VirtualStart{kLeft, 0.0f};
+  settings.controller = "none";
+  settings.prediction = smallLimits();
+  settings.method = prediction::Method::kFront;
+  rdw::Session session = std::move(*rdw::Session::make(reader.version().world, settings));
+  for (int i = 0; i < 4; ++i) {
+    changeAndWait(*live, {i % 2 == 0 ? put(1, kRight) : gone(1)});
+    ASSERT_TRUE(reader.update(session));
+    const rdw::FrameResult& result = session.frame(head(0, 0), 0.02 * i);
+    EXPECT_EQ(&session.world(), reader.version().world.get());
+    ASSERT_NE(result.graph, nullptr);
+    EXPECT_EQ(result.graph->method, prediction::Method::kFront);
+    EXPECT_GT(result.graph->nodes.size(), 1u);
+  }
 }
 
 TEST(LiveWorld, IsOutlivedByItsReaders) {
