@@ -17,6 +17,7 @@ class CellMeshMaker {
 
   CellMesh make() {
     for (std::uint32_t p = 0; p < graph_.polygonCount(); ++p) addPolygon(PolygonId{p});
+    for (const CellMesh::Edge& edge : mesh_.edges) addLine(edge);
     return std::move(mesh_);
   }
 
@@ -70,6 +71,13 @@ class CellMeshMaker {
     if (first) mesh_.edges.push_back({pair.right, pair.left, polygon, graph_.portalTo[h]});
     mesh_.edgeOfPortal[h] = edge;
     mesh_.corners.push_back({pair.right, edge, first});
+  }
+
+  void addLine(const CellMesh::Edge& edge) {
+    const glm::dvec2 from(mesh_.plan[edge.from]);
+    const glm::dvec2 span = glm::dvec2(mesh_.plan[edge.to]) - from;
+    const double length = glm::length(span);
+    mesh_.lines.push_back({from, length > 0.0 ? span / length : glm::dvec2(0.0), length});
   }
 
   const NavGraph& graph_;

@@ -22,6 +22,11 @@ struct CellMesh {
     PolygonId left;
     PolygonId right;  ///< kNoPolygon: a wall
   };
+  /// An edge in space: where it begins, which way it goes and how far.
+  struct Line {
+    glm::dvec2 from, along;  ///< metres; of unit length, or zero
+    double length;           ///< metres
+  };
   /// A vertex of a polygon's outline and the edge from there to the next, counter-clockwise.
   struct Corner {
     std::uint32_t vertex;
@@ -32,6 +37,7 @@ struct CellMesh {
   std::vector<glm::vec2> plan;  ///< per vertex, metres; the first are the PortalEnds in their
                                 ///< order, then come corners of walls
   std::vector<Edge> edges;
+  std::vector<Line> lines;                    ///< per edge
   std::vector<std::uint32_t> edgeOfPortal;    ///< per half-portal; kNone where it has no width
   std::vector<std::uint32_t> cornerStart{0};  ///< polygons + 1
   std::vector<Corner> corners;

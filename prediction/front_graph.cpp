@@ -16,7 +16,19 @@ FrontIndex makeFrontIndex(const NavGraph& graph) {
 
 FrontScratch::FrontScratch(const NavGraph& graph, const FrontIndex& index,
                            const DistanceLimits& limits)
-    : field_(graph, index.ends, limits), sweep_(graph, index.ends, index.cells) {}
+    : field_(graph, index.ends, limits), sweep_(graph, index.ends, index.cells, limits.windows) {
+  // Hardly more than one node a polygon.
+  const std::size_t polygons = 64 + std::min<std::size_t>(graph.polygonCount(), limits.windows);
+  ways_.reserve(polygons);
+  for (auto* events : {&firstOut_, &firstIn_, &nodeOf_}) events->reserve(polygons);
+  graph_.nodes.reserve(polygons);
+  graph_.children.reserve(polygons);
+  graph_.edges.reserve(polygons);
+  graph_.corners.reserve(polygons);
+  graph_.pathPoints.reserve(4 * polygons);
+  graph_.terminals.reserve(polygons);
+  graph_.fronts.reserve(polygons);
+}
 
 /// Builds one graph from one sweep. Lives for one predictFronts() call.
 class FrontAssembly {

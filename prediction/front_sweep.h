@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "navmesh/key_queue.h"
 #include "prediction/cell_mesh.h"
 #include "prediction/distance_field.h"
 
@@ -53,8 +54,10 @@ struct HorizonFront {
 
 class FrontSweep {
  public:
-  /// All three must outlive this; `cells` and `ends` were made from `graph`.
-  FrontSweep(const navmesh::NavGraph& graph, const PortalEnds& ends, const CellMesh& cells);
+  /// All three must outlive this; `cells` and `ends` were made from `graph`. Sized for fields of up
+  /// to `windows` windows.
+  FrontSweep(const navmesh::NavGraph& graph, const PortalEnds& ends, const CellMesh& cells,
+             std::uint32_t windows);
 
   /// Follows the front of `field`, just run from `source`, out to `horizon` metres. O(n log n) in
   /// the vertices of what was reached, and O(cells of a front) an event. Allocates only while the
@@ -73,75 +76,91 @@ class FrontSweep {
     float value;        // exact distance up to the horizon, metres
     PolygonId polygon;  // one that holds it
     PolygonId from;  // the front touches an edge here first, coming through this polygon; or none
-    bool meeting;    // two fronts meet here on an edge
-    bool border;     // some edge here has one cell
-    bool forced;     // its cells are no single fan: whatever happens here is an event
+    std::uint32_t records;    // the last of its records; they go on by CornerRecord::next
+    std::uint32_t lowerEdge;  // one of those that come up to it, or kNone
+    std::uint8_t passes;      // how often the front passes from lower to upper edges about it
+    bool meeting;             // two fronts meet here on an edge
+    bool forced;              // its cells are no single fan: whatever happens here is an event
   };
   /// Distances rise or fall along it.
   struct Edge {
-    std::uint32_t a, b;      // vertices
-    std::uint32_t cells[2];  // kNone: a wall
-    std::uint32_t piece;     // of the front that crosses it, while one does
+    std::uint32_t a, b;        // vertices
+    std::uint32_t records[2];  // where its cells have it as `out`; kNone: a wall
+    std::uint32_t piece;       // of the front that crossed it at the last event there; or kNone
     PolygonId polygon;
   };
   struct Cell {
     PolygonId polygon;
-    std::uint32_t crossed[2];  // edges that the front crosses, or kNone
+    std::uint32_t begin, end;  // its records, counter-clockwise
   };
   /// A vertex in one cell, between two edges.
   struct CornerRecord {
-    std::uint32_t vertex, cell, in, out;
+    std::uint32_t vertex, cell, out;
+    std::uint32_t next;  // another of the vertex, or kNone
   };
-  /// Seen from an edge: a window of a polygon beside it.
+  /// A window of a polygon, which does not see what lies beyond the edge that it comes in over.
   struct View {
-    PolygonId polygon;
     glm::dvec2 root;
     double distance;  // of the root
     const Window* window;
+    std::uint32_t edge;  // of the mesh; kNone: it touches the root
+    PolygonId polygon;
   };
-  struct Seen {
-    double length;
-    glm::dvec2 root;
+  /// A view of an edge: where the root's foot is on its line, metres along it, and how far aside.
+  struct Sight {
+    double foot, asideSquared;
+    const View* view;
   };
-  /// Where the front touches an edge first, metres along it, and the polygon it comes through.
+  /// Where the front touches an edge first, metres along it, its distance, and the polygon it comes
+  /// through.
   struct Foot {
     double along;
+    double distance;
     PolygonId front;
   };
   struct CycleCorner {
     std::uint32_t vertex, edge;
   };
+  /// Vertices in order of distance, ties by number, as one number.
+  using Key = navmesh::KeyQueue::Entry;
 
   void reset();
   std::uint32_t vertexAt(std::uint32_t meshVertex, PolygonId polygon);
   std::uint32_t addVertex(glm::vec2 plan, float value, PolygonId polygon);
   std::uint32_t addEdge(std::uint32_t a, std::uint32_t b, PolygonId polygon);
+  void gatherViews(PolygonId polygon);
+  std::span<const View> viewsOf(PolygonId polygon) const;
   void cutEdge(std::uint32_t meshEdge);
-  void gatherViews(PolygonId polygon, std::uint32_t exceptEdge);
-  bool sees(const View& view, glm::dvec2 point) const;
-  Seen look(glm::dvec2 point) const;
-  double highestBetween(glm::dvec2 from, glm::dvec2 along, double low, double high) const;
+  bool findSights(std::uint32_t meshEdge, float valueFrom, float valueTo);
+  void findFeet(const CellMesh::Line& line);
+  static bool sees(const View& view, glm::dvec2 point);
+  double lookAt(const CellMesh::Line& line, double place, const Sight*& nearest) const;
+  static double equallyFar(const Sight& rising, const Sight& falling, double left, double right);
+  double highestBetween(const CellMesh::Line& line, double low, double high) const;
   void addCells(PolygonId polygon);
   void addBasin(std::span<const CycleCorner> outline, std::size_t low, PolygonId polygon);
   void addSourceCells(PolygonId polygon);
   bool findMeeting(PolygonId polygon, glm::vec2& plan, float& value);
-  std::uint32_t cellOf(std::span<const CycleCorner> outline, PolygonId polygon);
-  bool below(std::uint32_t a, std::uint32_t b) const;
+  void cellOf(std::span<const CycleCorner> outline, PolygonId polygon);
+  bool below(std::uint32_t a, std::uint32_t b) const { return keys_[a] < keys_[b]; }
 
-  void sortVertices();
-  void pass(std::uint32_t vertex);
+  void listEvents();
+  bool onBorder(std::uint32_t vertex) const;
+  void listRecords(std::uint32_t vertex);
   void happen(std::uint32_t vertex);
+  std::uint32_t edgeInto(std::uint32_t record) const;
   bool isLower(std::uint32_t edge, std::uint32_t vertex) const;
-  void updateCells(std::uint32_t vertex);
+  std::uint32_t pieceOf(std::uint32_t edge);
+  std::uint32_t across(std::uint32_t record, Key level) const;
   template <typename Visit>
-  bool follow(std::uint32_t edge, int side, const Visit& visit) const;
-  float mark(std::uint32_t edge, std::uint32_t piece, float level);
-  float lengthThrough(std::uint32_t edge, float level) const;
+  bool follow(std::uint32_t edge, int side, Key level, const Visit& visit) const;
+  template <typename Visit>
+  float measure(std::uint32_t edge, Key level, float distance, const Visit& visit) const;
   glm::vec2 crossing(std::uint32_t edge, float level) const;
   glm::vec2 exactCrossing(std::uint32_t edge, float level) const;
   std::uint32_t cornerToward(std::uint32_t vertex, std::uint32_t edge) const;
   void endAtHorizon();
-  void addFront(std::uint32_t edge);
+  void addFront(std::uint32_t edge, Key level);
 
   const navmesh::NavGraph* graph_;
   const PortalEnds* ends_;
@@ -154,19 +173,24 @@ class FrontSweep {
   std::vector<std::uint32_t> firstEdgeOf_, edgeCountOf_;
   std::vector<std::uint32_t> touchedVertices_, touchedEdges_;
 
+  std::vector<std::uint32_t> viewStart_, viewCount_;  // per polygon; of those reached
+  std::vector<View> views_;
+
   std::vector<Vertex> vertices_;
+  std::vector<Key> keys_;  // per vertex
   std::vector<Edge> edges_;
   std::vector<Cell> cells_;
   std::vector<CornerRecord> records_;
-  std::vector<std::uint32_t> recordStart_, recordOf_;  // records by vertex
-  std::vector<std::uint64_t> order_;                   // vertices within the horizon by distance
-  std::vector<std::uint32_t> rank_;
+  std::vector<Key> order_;            // vertices where something happens
   std::vector<std::uint32_t> arcOf_;  // per piece
+  std::vector<std::uint8_t> ended_;   // per edge: its piece at the horizon is known
 
-  std::vector<View> views_;
+  std::vector<Sight> sights_;
+  double firstFoot_ = 0.0, lastFoot_ = 0.0;  // among the sights
   std::vector<CycleCorner> cycle_, basin_, outline_, inner_;
   std::vector<std::size_t> lows_, highs_, others_;
   std::vector<Foot> feet_;
+  std::vector<std::uint32_t> recordsHere_;
   std::vector<std::uint32_t> lowerArcs_, lowerEdges_;
   std::vector<glm::vec2> polyline_;
   std::vector<PolygonId> polylinePolygons_;
