@@ -97,9 +97,12 @@ struct Walk {
   testing::SessionHandle session;
   std::vector<testing::TimedHead> heads = testing::wander(4, 6000);
 
-  explicit Walk(forewalk_controller controller) {
+  explicit Walk(forewalk_controller controller, forewalk_method method = FOREWALK_METHOD_POLYGON,
+                std::int32_t resets = 1) {
     forewalk_session_settings settings = testing::defaultSettings();
     settings.controller = controller;
+    settings.method = method;
+    settings.resets = resets;
     settings.horizon = 30.0f;
     settings.has_start = 1;
     settings.start_floor = {3.0f, 0.0f, 2.0f};
@@ -132,6 +135,19 @@ TEST(CapiFrame, AllocatesNothingFromTheFirstOn) {
     EXPECT_EQ(allocationsSince(), 0u) << controller;
     EXPECT_TRUE(std::isfinite(sum));
   }
+}
+
+// Graphs by fronts have no bound that is known beforehand: buffers grow to the largest seen.
+TEST(CapiFrame, AllocatesNothingByFrontsWhereItHasBeen) {
+  Walk walk(FOREWALK_CONTROLLER_NONE, FOREWALK_METHOD_FRONT, 0);
+  float sum = walk.frames(0, walk.heads.size());
+  ASSERT_EQ(forewalk_session_teleport(walk.session.get(), {3.0f, 0.0f, 2.0f}, 0.0f), FOREWALK_OK);
+  const double later = walk.heads.back().seconds + 0.02;
+  for (testing::TimedHead& head : walk.heads) head.seconds += later;
+  allocationsSince();
+  sum += walk.frames(0, walk.heads.size());
+  EXPECT_EQ(allocationsSince(), 0u);
+  EXPECT_TRUE(std::isfinite(sum));
 }
 
 TEST(CapiFrame, AllocatesNothingToComplain) {

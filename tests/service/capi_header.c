@@ -9,6 +9,7 @@ const size_t capi_sizes_in_c[] = {
     sizeof(forewalk_point2),         sizeof(forewalk_session_settings),
     sizeof(forewalk_frame_out),      sizeof(forewalk_node),
     sizeof(forewalk_edge),           sizeof(forewalk_graph_view),
+    sizeof(forewalk_front),
 };
 const size_t capi_size_count = sizeof capi_sizes_in_c / sizeof capi_sizes_in_c[0];
 

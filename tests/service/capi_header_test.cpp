@@ -73,7 +73,7 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_build_settings, tile), 36u);
   EXPECT_EQ(offsetof(forewalk_build_settings, partition), 40u);
 
-  EXPECT_EQ(sizeof(forewalk_session_settings), 136u);
+  EXPECT_EQ(sizeof(forewalk_session_settings), 144u);
   EXPECT_EQ(offsetof(forewalk_session_settings, axes), 4u);
   EXPECT_EQ(offsetof(forewalk_session_settings, controller), 8u);
   EXPECT_EQ(offsetof(forewalk_session_settings, limits), 12u);
@@ -94,6 +94,8 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_session_settings, polygon_limit), 120u);
   EXPECT_EQ(offsetof(forewalk_session_settings, resets), 124u);
   EXPECT_EQ(offsetof(forewalk_session_settings, always_predict), 128u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, method), 136u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, persistence), 140u);
 
   EXPECT_EQ(sizeof(forewalk_frame_out), 100u);
   EXPECT_EQ(offsetof(forewalk_frame_out, flags), 4u);
@@ -122,12 +124,21 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_edge, path_start), 12u);
   EXPECT_EQ(offsetof(forewalk_edge, loop), 20u);
 
-  EXPECT_EQ(sizeof(forewalk_graph_view), 48u);
+  EXPECT_EQ(sizeof(forewalk_front), 32u);
+  EXPECT_EQ(offsetof(forewalk_front, length), 4u);
+  EXPECT_EQ(offsetof(forewalk_front, from), 8u);
+  EXPECT_EQ(offsetof(forewalk_front, to), 20u);
+
+  EXPECT_EQ(sizeof(forewalk_graph_view), 72u);
   EXPECT_EQ(offsetof(forewalk_graph_view, nodes), 8u);
   EXPECT_EQ(offsetof(forewalk_graph_view, edge_count), 16u);
   EXPECT_EQ(offsetof(forewalk_graph_view, edges), 24u);
   EXPECT_EQ(offsetof(forewalk_graph_view, points), 32u);
   EXPECT_EQ(offsetof(forewalk_graph_view, complete_to), 44u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, fronts), 48u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, widths), 56u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, front_count), 64u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, method), 68u);
 }
 
 TEST(CapiHeader, MeansTheSameInCAndInCpp) {
@@ -135,7 +146,7 @@ TEST(CapiHeader, MeansTheSameInCAndInCpp) {
       sizeof(forewalk_vec3),           sizeof(forewalk_quat),   sizeof(forewalk_pose),
       sizeof(forewalk_build_settings), sizeof(forewalk_point2), sizeof(forewalk_session_settings),
       sizeof(forewalk_frame_out),      sizeof(forewalk_node),   sizeof(forewalk_edge),
-      sizeof(forewalk_graph_view)};
+      sizeof(forewalk_graph_view),     sizeof(forewalk_front)};
   EXPECT_EQ(std::vector<std::size_t>(capi_sizes_in_c, capi_sizes_in_c + capi_size_count), here);
 }
 

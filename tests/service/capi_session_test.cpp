@@ -1,7 +1,9 @@
 // The C interface against the library below it, and against whatever else may come in.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -35,6 +37,10 @@ forewalk_session_settings inTheWestRoom() {
   settings.start_heading = 0.3f;
   return settings;
 }
+
+// What the first version of these structs ended with.
+constexpr std::uint32_t kFirstSettings = offsetof(forewalk_session_settings, method);
+constexpr std::uint32_t kFirstView = offsetof(forewalk_graph_view, fronts);
 
 template <typename T>
 std::array<unsigned char, sizeof(T)> bytesOf(const T& value) {
@@ -175,6 +181,78 @@ TEST(CapiGraph, IsTheLibrarysWithItsPathsOnTheFloor) {
   EXPECT_NEAR(highest, 3.0f, 0.1f);  // some way led up the stairs
 }
 
+TEST(CapiGraph, HasFrontsAndWidthsByFronts) {
+  const navmesh::Scene scene = testing::twoStoreys();
+  const NavMeshHandle navmesh = makeNavMesh(scene);
+  const auto world = testing::makeWorld(scene);
+  forewalk_session_settings settings = inTheWestRoom();
+  settings.horizon = 15.0f;
+  settings.method = FOREWALK_METHOD_FRONT;
+  settings.persistence = 0.3f;
+  const SessionHandle session = makeSession(navmesh, settings);
+  rdw::SessionSettings same;
+  same.space = *rdw::TrackedSpace::rectangle(4.0, 4.0);
+  same.horizon = 15.0f;
+  same.start = rdw::VirtualStart{{3.0f, 0.0f, 2.0f}, 0.3f};
+  same.method = prediction::Method::kFront;
+  same.front.persistence = 0.3f;
+  auto library = rdw::Session::make(world, same);
+  ASSERT_TRUE(library) << library.error().message;
+  std::uint32_t branches = 0;
+  int frames = 0;
+  for (const TimedHead& head : wander(6, 900)) {
+    const forewalk_frame_out out = frame(session, head);
+    const rdw::FrameResult& result = library->frame(head.pose, head.seconds);
+    const prediction::PredictionGraph& graph = *result.graph;
+    const auto& [p, q] = result.virtualPose;
+    ASSERT_EQ(bytesOf(out.virtual_pose),
+              bytesOf(forewalk_pose{{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}}));
+    if (frames++ % 30 != 0) continue;
+    forewalk_graph_view view{};
+    view.struct_size = sizeof view;
+    ASSERT_EQ(forewalk_graph(session.get(), &view), FOREWALK_OK);
+    EXPECT_EQ(view.method, FOREWALK_METHOD_FRONT);
+    ASSERT_EQ(view.node_count, graph.nodes.size());
+    ASSERT_EQ(view.edge_count, graph.edges.size());
+    ASSERT_EQ(view.front_count, graph.terminals.size());
+    for (std::uint32_t i = 0; i < view.node_count; ++i) {
+      EXPECT_EQ(bytesOf(view.nodes[i].position), bytesOf(graph.nodes[i].position()));
+      EXPECT_EQ(view.nodes[i].kind, static_cast<int>(graph.nodes[i].kind));
+      EXPECT_EQ(view.nodes[i].reason, static_cast<int>(graph.nodes[i].reason));
+      branches += view.nodes[i].branch;
+    }
+    for (std::uint32_t i = 0; i < view.edge_count; ++i) {
+      EXPECT_EQ(view.widths[i], graph.edges[i].width);
+      const forewalk_edge& edge = view.edges[i];
+      const std::span<const forewalk_vec3> path(view.points + edge.path_start, edge.path_count);
+      EXPECT_NEAR(lengthOnPlan(path), edge.length, 1e-2f);
+    }
+    for (std::uint32_t i = 0; i < view.front_count; ++i) {
+      const forewalk_front& front = view.fronts[i];
+      const forewalk_node& node = view.nodes[front.node];
+      EXPECT_EQ(front.node, prediction::index(graph.terminals[i]));
+      EXPECT_EQ(front.length, graph.fronts[i].length);
+      EXPECT_EQ(front.length > 0.0f, node.reason == FOREWALK_REASON_HORIZON);
+      EXPECT_EQ(front.from.x, graph.fronts[i].from.x);
+      EXPECT_EQ(front.to.z, -graph.fronts[i].to.y);
+      EXPECT_EQ(front.to.y, node.position.y);
+    }
+  }
+  EXPECT_GT(branches, 0u);
+}
+
+TEST(CapiGraph, HasNoFrontsByPolygons) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  const SessionHandle session = makeSession(navmesh, inTheWestRoom());
+  frame(session, {});
+  forewalk_graph_view view{};
+  view.struct_size = sizeof view;
+  ASSERT_EQ(forewalk_graph(session.get(), &view), FOREWALK_OK);
+  EXPECT_EQ(view.method, FOREWALK_METHOD_POLYGON);
+  EXPECT_EQ(view.front_count, 0u);
+  for (std::uint32_t i = 0; i < view.edge_count; ++i) EXPECT_EQ(view.widths[i], 0.0f);
+}
+
 // --- what is refused
 
 struct Refusal {
@@ -195,6 +273,10 @@ TEST(CapiSession, RefusesSettingsThatCannotWork) {
       {"controller", [](auto& s) { s.controller = 5; }, FOREWALK_ERROR_ARGUMENT},
       {"controller", [](auto& s) { s.controller = -1; }, FOREWALK_ERROR_ARGUMENT},
       {"limits", [](auto& s) { s.limits = 5; }, FOREWALK_ERROR_ARGUMENT},
+      {"method", [](auto& s) { s.method = 2; }, FOREWALK_ERROR_ARGUMENT},
+      {"method", [](auto& s) { s.method = -1; }, FOREWALK_ERROR_ARGUMENT},
+      {"persistence", [&](auto& s) { s.persistence = nan; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
+      {"persistence", [](auto& s) { s.persistence = -1; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
       {"horizon", [](auto& s) { s.horizon = 0; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
       {"horizon", [&](auto& s) { s.horizon = nan; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
       {"horizon", [](auto& s) { s.horizon = 1e30f; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
@@ -237,7 +319,7 @@ TEST(CapiSession, RefusesSettingsThatCannotWork) {
        FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
       {"polygon", [](auto& s) { s.polygon_limit = 0; }, FOREWALK_ERROR_SETTING_OUT_OF_RANGE},
       {"struct_size", [](auto& s) { s.struct_size = 0; }, FOREWALK_ERROR_ARGUMENT},
-      {"struct_size", [](auto& s) { s.struct_size -= 4; }, FOREWALK_ERROR_ARGUMENT},
+      {"struct_size", [](auto& s) { s.struct_size = kFirstSettings - 4; }, FOREWALK_ERROR_ARGUMENT},
       {"struct_size", [](auto& s) { s.struct_size = 0xccccccccu; }, FOREWALK_ERROR_ARGUMENT},
   };
   for (const Refusal& refusal : refusals) {
@@ -383,6 +465,29 @@ TEST(CapiStructs, OfANewerCallerAreFilledAsFarAsTheyAreKnown) {
   EXPECT_EQ(out.known.graph_nodes, expected.graph_nodes);
   EXPECT_EQ(out.known.struct_size, sizeof out);
   for (const std::uint32_t word : out.added) EXPECT_EQ(word, 0xcdcdcdcdu);
+}
+
+TEST(CapiStructs, OfAnOlderCallerAreReadAndFilledAsFarAsTheyGo) {
+  const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
+  forewalk_session_settings settings = inTheWestRoom();
+  // What lies behind an older caller's struct is anything.
+  settings.method = 0x55555555;
+  settings.persistence = std::nanf("");
+  settings.struct_size = kFirstSettings;
+  const SessionHandle session = makeSession(navmesh, settings);
+  const SessionHandle same = makeSession(navmesh, inTheWestRoom());
+  const TimedHead head = wander(7, 1).front();
+  EXPECT_EQ(frame(session, head).graph_nodes, frame(same, head).graph_nodes);
+  forewalk_graph_view view;
+  std::memset(&view, 0xcd, sizeof view);
+  const auto before = bytesOf(view);
+  view.struct_size = kFirstView;
+  ASSERT_EQ(forewalk_graph(session.get(), &view), FOREWALK_OK);
+  EXPECT_GT(view.node_count, 0u);
+  EXPECT_EQ(view.complete_to, 10.0f);
+  EXPECT_EQ(view.struct_size, kFirstView);
+  const auto after = bytesOf(view);
+  EXPECT_TRUE(std::equal(after.begin() + kFirstView, after.end(), before.begin() + kFirstView));
 }
 
 TEST(CapiStructs, OfSizesThatNoVersionHadAreLeftAlone) {

@@ -97,9 +97,35 @@ TEST_F(Cli, TellsItsVersion) {
   EXPECT_THAT(outcome.out, StartsWith("forewalk "));
 }
 
+TEST_F(Cli, DrawsDistancesOnlyInPlans) {
+  expectRefusal(run("predict rooms.obj --at 2,0,2 --distances"), 2, "--format svg");
+  for (const char* method : {"polygon", "front"}) {
+    const std::string predict = "predict rooms.obj --at 2,0,2 --format svg --method ";
+    const Outcome with = run(predict + method + " --distances"), without = run(predict + method);
+    EXPECT_EQ(with.status, 0) << with.err;
+    EXPECT_THAT(with.out, HasSubstr("walking distance"));
+    EXPECT_THAT(without.out, ::testing::Not(HasSubstr("walking distance")));
+  }
+}
+
+TEST_F(Cli, AnimatesARecordedOrASimulatedWalk) {
+  writeTo(folder_ / "walks.csv", "walker_id,t,x,z\nann,0,1,2\nann,9,9,2\nbob,0,12,2\nbob,8,4,2\n");
+  const Outcome recorded = run("animate rooms.obj walks.csv --walker bob --seconds 4 --out -");
+  EXPECT_EQ(recorded.status, 0) << recorded.err;
+  EXPECT_THAT(recorded.out, HasSubstr("walker bob"));
+  EXPECT_THAT(recorded.out, HasSubstr("<animateTransform"));
+  const std::string simulated = "animate rooms.obj --seed 3 --seconds 3 --out -";
+  EXPECT_THAT(run(simulated).out, HasSubstr("a simulated walk"));
+  EXPECT_EQ(run(simulated).out, run(simulated).out);
+  expectRefusal(run("animate rooms.obj walks.csv --walker eve --out -"), 1, "ann, bob");
+  expectRefusal(run("animate rooms.obj walks.csv --from 60 --out -"), 1, "lasts 9.0 s");
+  expectRefusal(run("animate rooms.obj --walker ann --out -"), 2, "WALKS");
+  expectRefusal(run("animate rooms.obj"), 2, "--out");
+}
+
 TEST_F(Cli, ExplainsEveryVerbWithAnExample) {
   EXPECT_EQ(run("--help").status, 0);
-  for (const std::string verb : {"build", "predict", "sweep", "simulate", "demo"}) {
+  for (const std::string verb : {"build", "predict", "sweep", "simulate", "animate", "demo"}) {
     const Outcome outcome = run(verb + " --help");
     EXPECT_EQ(outcome.status, 0) << verb;
     EXPECT_THAT(outcome.out, HasSubstr("Example")) << verb;

@@ -61,10 +61,15 @@ TEST(Sweep, HasTheSameHashesWheneverItRunsAndOthersForOtherSeeds) {
   const auto again = sweep(graph, settings);
   settings.seed = 2;
   const auto other = sweep(graph, settings);
+  settings.seed = 1;
+  settings.method = prediction::Method::kFront;
+  const auto byFronts = sweep(graph, settings);
   ASSERT_EQ(first.size(), 2u);
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(first[i].hash, again[i].hash);
     EXPECT_NE(first[i].hash, other[i].hash);
+    EXPECT_NE(first[i].hash, byFronts[i].hash);
+    EXPECT_EQ(byFronts[i].hash, sweep(graph, settings)[i].hash);
     EXPECT_LE(first[i].median, first[i].p99);
     EXPECT_LE(first[i].p99, first[i].worst);
   }

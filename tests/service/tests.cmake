@@ -1,5 +1,7 @@
 # Tests of service/, one forewalk_test() a file.
 forewalk_test(service/parallel_test.cpp LIBS forewalk::service)
+forewalk_test(service/live_world_test.cpp LIBS forewalk::service)
+forewalk_test(service/walk_animation_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
 forewalk_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 if(TARGET cli_test)
@@ -43,4 +45,13 @@ if(TARGET capi_header_test)
     set_tests_properties(CapiHeader.ServesCppWithoutExceptionsAndRtti PROPERTIES
       SKIP_REGULAR_EXPRESSION "^skipped")
   endif()
+endif()
+
+# Which way will they take: fitting and judging.
+forewalk_test(service/fitting_test.cpp LIBS forewalk::service)
+forewalk_test(service/evaluation_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
+forewalk_test(service/likelihood_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
+if(TARGET likelihood_cli_test)
+  add_dependencies(likelihood_cli_test forewalk)
+  target_compile_definitions(likelihood_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
 endif()

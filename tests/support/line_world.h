@@ -46,9 +46,9 @@ inline prediction::PredictionGraph lineGraph(glm::vec2 source, float horizon,
   return graph;
 }
 
-/// Somebody at (x, 0) in a corridor along x that comes from far behind and ends in a T at `crossing`:
-/// to the left (y > 0) and to the right. Ways are cut at `horizon`: behind first, then left, right;
-/// before the T is in reach, behind and ahead.
+/// Somebody at (x, 0) in a corridor along x that comes from far behind and ends in a T at
+/// `crossing`: to the left (y > 0) and to the right. Ways are cut at `horizon`: behind first, then
+/// left, right; before the T is in reach, behind and ahead.
 inline std::vector<LineWay> waysBeforeT(float x, float crossing, float horizon) {
   std::vector<LineWay> ways{{{{x - horizon, 0.0f}}}};
   const float beyond = horizon - (crossing - x);
