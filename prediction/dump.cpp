@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "navmesh/plan.h"
+#include "prediction/distance_drawing.h"
 #include "prediction/plan_drawing.h"
 #include "prediction/svg.h"
 
@@ -353,6 +354,9 @@ constexpr std::string_view kTreeStyle = "fill=\"none\" stroke=\"#2f5fb3\" stroke
 constexpr std::string_view kLoopStyle =
     "fill=\"none\" stroke=\"#8a5bb8\" stroke-width=\"2\" stroke-dasharray=\"2 5\"";
 
+constexpr std::string_view kLoopOverColours =
+    "fill=\"none\" stroke=\"#4b1f7a\" stroke-width=\"2\" stroke-dasharray=\"2 5\"";
+
 constexpr std::string_view kFrontStyle =
     "stroke=\"#1f9d55\" stroke-opacity=\"0.45\" stroke-width=\"5\" stroke-linecap=\"round\"";
 
@@ -413,7 +417,14 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
                                 : std::string(text.title);
   drawing.title(title);
   drawHeading(drawing, page, title, describe(graph));
-  drawWalkable(drawing, page, navGraph, emphasisOf(navGraph, graph));
+  const std::vector<char> emphasised = emphasisOf(navGraph, graph);
+  drawWalkable(drawing, page, navGraph, emphasised);
+  const bool coloured = text.distances != nullptr;
+  std::vector<IsoArc> horizonLine;
+  if (coloured) {
+    drawDistanceLegend(drawing, page, static_cast<double>(text.distances->completeTo()));
+    horizonLine = isoLine(navGraph, *text.distances, graph.completeTo, emphasised);
+  }
 
   const auto trace = [&](std::span<const glm::vec2> points) {
     std::vector<glm::dvec2> onPage;
@@ -422,21 +433,47 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
   };
   drawing.beginClip(page.corner(), page.mapSize());
   // Whole ways from the source, broad and soft: where many lie together, the colour is strong.
-  drawing.beginGroup("fill=\"none\" stroke=\"#5b8def\" stroke-opacity=\"0.13\" stroke-width=\"9\"");
-  std::vector<glm::vec3> way;
-  for (const NodeId terminal : graph.terminals) {
-    wayTo(graph, terminal, way);
-    std::vector<glm::dvec2> points;
-    for (const glm::vec3 point : way) points.push_back(page.at(navmesh::toPlan(point)));
-    const bool near = nearSource(graph, graph.node(terminal).height);
-    drawing.polyline(points, false, near ? "" : "stroke-opacity=\"0.06\"");
+  const auto drawWays = [&](std::string_view style, std::string_view far, const auto& isWanted) {
+    std::vector<glm::vec3> way;
+    drawing.beginGroup(style);
+    for (const NodeId terminal : graph.terminals) {
+      const bool near = nearSource(graph, graph.node(terminal).height);
+      if (!isWanted(near)) continue;
+      wayTo(graph, terminal, way);
+      std::vector<glm::dvec2> points;
+      for (const glm::vec3 point : way) points.push_back(page.at(navmesh::toPlan(point)));
+      drawing.polyline(points, false, near ? "" : far);
+    }
+    drawing.endGroup();
+  };
+  if (!coloured) {
+    drawWays("fill=\"none\" stroke=\"#5b8def\" stroke-opacity=\"0.13\" stroke-width=\"9\"",
+             "stroke-opacity=\"0.06\"", [](bool) { return true; });
   }
-  drawing.endGroup();
   // What lies on other storeys first and pale, then what lies near.
   for (const bool near : {false, true}) {
     drawing.beginGroup(near ? "opacity=\"1\"" : "opacity=\"0.3\"");
+    if (coloured) {
+      std::vector<char> shown;
+      for (const char strong : emphasised) shown.push_back((strong != 0) == near);
+      drawDistances(drawing, page, navGraph, *text.distances, shown);
+      if (near) drawWalls(drawing, page, navGraph, emphasised);
+      std::vector<IsoArc> fronts;
+      for (const IsoArc& arc : horizonLine) {
+        if (shown[index(arc.polygon)]) fronts.push_back(arc);
+      }
+      drawArcs(drawing, page, fronts, "stroke=\"#1f9d55\" stroke-width=\"40\"");
+      // Whole ways: they stand out best as one thing, and hang together.
+      const auto isHere = [&](bool wayNear) { return wayNear == near; };
+      drawWays("fill=\"none\" stroke=\"#ffffff\" stroke-opacity=\"0.7\" stroke-width=\"5\"", "",
+               isHere);
+      drawWays("fill=\"none\" stroke=\"#16273d\" stroke-width=\"2\"", "", isHere);
+    }
     for (const EdgeKind kind : {EdgeKind::kLoop, EdgeKind::kTree}) {
-      drawing.beginGroup(kind == EdgeKind::kTree ? kTreeStyle : kLoopStyle);
+      if (coloured && kind == EdgeKind::kTree) continue;
+      drawing.beginGroup(kind == EdgeKind::kTree ? kTreeStyle
+                         : coloured              ? kLoopOverColours
+                                                 : kLoopStyle);
       for (const Edge& edge : graph.edges) {
         const bool edgeNear = nearSource(graph, graph.node(edge.from).height) ||
                               nearSource(graph, graph.node(edge.to).height);
@@ -445,7 +482,7 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
       }
       drawing.endGroup();
     }
-    for (std::size_t i = 0; i < graph.fronts.size(); ++i) {
+    for (std::size_t i = 0; i < graph.fronts.size() && !coloured; ++i) {
       const Front& front = graph.fronts[i];
       if (nearSource(graph, graph.node(graph.terminals[i]).height) != near) continue;
       drawing.line(page.at(front.from), page.at(front.to), kFrontStyle);
@@ -497,9 +534,11 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
   drawNode(drawing, legendEntry(drawing, page, cursor, "dead end"),
            exampleNode(NodeKind::kTerminal, TerminalReason::kDeadEnd));
   glm::dvec2 at = legendEntry(drawing, page, cursor, "taut path");
-  drawing.line(at - glm::dvec2(12, 0), at + glm::dvec2(12, 0), kTreeStyle);
+  drawing.line(at - glm::dvec2(12, 0), at + glm::dvec2(12, 0),
+               coloured ? "stroke=\"#16273d\" stroke-width=\"2\"" : kTreeStyle);
   at = legendEntry(drawing, page, cursor, "loop");
-  drawing.line(at - glm::dvec2(12, 0), at + glm::dvec2(12, 0), kLoopStyle);
+  drawing.line(at - glm::dvec2(12, 0), at + glm::dvec2(12, 0),
+               coloured ? kLoopOverColours : kLoopStyle);
   return drawing.finish();
 }
 

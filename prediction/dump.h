@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "navmesh/nav_graph.h"
+#include "prediction/distance_field.h"
 #include "prediction/prediction_graph.h"
 
 namespace forewalk::prediction {
@@ -32,8 +33,10 @@ std::string toDot(const PredictionGraph& graph);
 
 /// What a plan says beside the graph.
 struct PlanText {
-  std::string_view title;        ///< empty: "Ways ahead within D m"
-  std::optional<float> heading;  ///< of the user, radians; drawn as an arrow
+  std::string_view title;                    ///< empty: "Ways ahead within D m"
+  std::optional<float> heading;              ///< of the user, radians; drawn as an arrow
+  const DistanceField* distances = nullptr;  ///< run from the graph's source: drawn as colour below
+                                             ///< the ways (distance_drawing.h); null: not drawn
 };
 
 /// The plan: walkable area, polygons, the user, branch nodes red, terminals green (dead ends

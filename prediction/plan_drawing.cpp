@@ -47,6 +47,26 @@ std::vector<std::pair<double, double>> closedStretches(glm::dvec2 a, glm::dvec2 
   return closed;
 }
 
+constexpr std::string_view kWallColour = "#3f4e5e";
+
+void addBorders(std::string& borders, const PlanPage& page, const NavGraph& graph,
+                std::uint32_t polygon) {
+  const auto ring = graph.ringOf(navmesh::PolygonId{polygon});
+  std::vector<Portal> onEdge;
+  for (std::size_t edge = 0; edge < ring.size(); ++edge) {
+    onEdge.clear();
+    for (std::uint32_t h = graph.portalStart[polygon]; h < graph.portalStart[polygon + 1]; ++h) {
+      if (graph.portalEdge[h] == edge) onEdge.push_back(graph.portals[h]);
+    }
+    const glm::dvec2 a = ring[edge];
+    const glm::dvec2 b = ring[(edge + 1) % ring.size()];
+    for (const auto& [from, to] : closedStretches(a, b, onEdge)) {
+      moveTo(borders, page.at(glm::mix(a, b, from)));
+      lineTo(borders, page.at(glm::mix(a, b, to)));
+    }
+  }
+}
+
 }  // namespace
 
 PlanBounds boundsOf(const NavGraph& graph) {
@@ -86,26 +106,13 @@ void drawWalkable(SvgDrawing& drawing, const PlanPage& page, const NavGraph& gra
   const auto drawLayer = [&](const std::vector<std::uint32_t>& polygons, std::string_view fill,
                              std::string_view seam, std::string_view border) {
     std::string areas, borders;
-    std::vector<Portal> onEdge;
     for (const std::uint32_t polygon : polygons) {
       const auto ring = graph.ringOf(navmesh::PolygonId{polygon});
       for (std::size_t i = 0; i < ring.size(); ++i) {
         (i == 0 ? moveTo : lineTo)(areas, page.at(ring[i]));
       }
       areas += 'Z';
-      for (std::size_t edge = 0; edge < ring.size(); ++edge) {
-        onEdge.clear();
-        for (std::uint32_t h = graph.portalStart[polygon]; h < graph.portalStart[polygon + 1];
-             ++h) {
-          if (graph.portalEdge[h] == edge) onEdge.push_back(graph.portals[h]);
-        }
-        const glm::dvec2 a = ring[edge];
-        const glm::dvec2 b = ring[(edge + 1) % ring.size()];
-        for (const auto& [from, to] : closedStretches(a, b, onEdge)) {
-          moveTo(borders, page.at(glm::mix(a, b, from)));
-          lineTo(borders, page.at(glm::mix(a, b, to)));
-        }
-      }
+      addBorders(borders, page, graph, polygon);
     }
     drawing.path(areas, fmt::format("fill=\"{0}\" stroke=\"{0}\" stroke-width=\"0.6\"", fill));
     drawing.path(areas, fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"0.7\"", seam));
@@ -122,7 +129,19 @@ void drawWalkable(SvgDrawing& drawing, const PlanPage& page, const NavGraph& gra
   std::sort(strong.begin(), strong.end(), byHeight);
   drawing.beginClip(page.corner(), page.mapSize());
   drawLayer(pale, "#f1f1ee", "#e9e9e5", "#d3d5d6");
-  drawLayer(strong, "#dfe8ef", "#cddae4", "#3f4e5e");
+  drawLayer(strong, "#dfe8ef", "#cddae4", kWallColour);
+  drawing.endGroup();
+}
+
+void drawWalls(SvgDrawing& drawing, const PlanPage& page, const NavGraph& graph,
+               std::span<const char> emphasised) {
+  std::string borders;
+  for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
+    if (emphasised.empty() || emphasised[p]) addBorders(borders, page, graph, p);
+  }
+  drawing.beginClip(page.corner(), page.mapSize());
+  drawing.path(borders,
+               fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"", kWallColour));
   drawing.endGroup();
 }
 

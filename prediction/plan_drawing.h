@@ -63,6 +63,10 @@ void drawHeading(SvgDrawing& drawing, const PlanPage& page, std::string_view tit
 void drawWalkable(SvgDrawing& drawing, const PlanPage& page, const navmesh::NavGraph& graph,
                   std::span<const char> emphasised);
 
+/// Only the border of the walkable area, where it is emphasised: over what covers it.
+void drawWalls(SvgDrawing& drawing, const PlanPage& page, const navmesh::NavGraph& graph,
+               std::span<const char> emphasised);
+
 /// Coordinates along the left and lower edge, x and z in metres.
 void drawCoordinates(SvgDrawing& drawing, const PlanPage& page);
 

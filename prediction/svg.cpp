@@ -105,6 +105,31 @@ void SvgDrawing::beginClip(glm::dvec2 corner, glm::dvec2 size) {
                  svgNumber(size.y));
 }
 
+void SvgDrawing::animate(std::string_view attribute, std::string_view values, double seconds) {
+  fmt::format_to(std::back_inserter(body_),
+                 "<animate attributeName=\"{}\" values=\"{}\" dur=\"{}s\" "
+                 "repeatCount=\"indefinite\"/>\n",
+                 attribute, values, svgNumber(seconds));
+}
+
+void SvgDrawing::animateTransform(std::string_view kind, std::string_view values, double seconds) {
+  fmt::format_to(std::back_inserter(body_),
+                 "<animateTransform attributeName=\"transform\" type=\"{}\" values=\"{}\" "
+                 "dur=\"{}s\" repeatCount=\"indefinite\"/>\n",
+                 kind, values, svgNumber(seconds));
+}
+
+void SvgDrawing::showDuring(double from, double to, double seconds) {
+  const bool first = from <= 0.0, last = to >= 1.0;
+  fmt::format_to(std::back_inserter(body_),
+                 "<animate attributeName=\"visibility\" calcMode=\"discrete\" "
+                 "values=\"{}visible{}\" keyTimes=\"0{}{}\" dur=\"{}s\" "
+                 "repeatCount=\"indefinite\"/>\n",
+                 first ? "" : "hidden;", last ? "" : ";hidden",
+                 first ? "" : fmt::format(";{:.5f}", from), last ? "" : fmt::format(";{:.5f}", to),
+                 svgNumber(seconds));
+}
+
 void SvgDrawing::title(std::string_view words) {
   head_ += fmt::format("<title>{}</title>\n", escapeXml(words));
 }

@@ -42,6 +42,13 @@ class SvgDrawing {
   void endGroup();
   /// Everything until endGroup() is cut off at the rectangle.
   void beginClip(glm::dvec2 corner, glm::dvec2 size);
+  /// These three change the group at hand over and over (SMIL), each round `seconds` long and begun
+  /// when the drawing is shown. `values` are separated by ";" and spread evenly over the round,
+  /// linear in between; the last one is met at its end. `kind` is that of a transform.
+  void animate(std::string_view attribute, std::string_view values, double seconds);
+  void animateTransform(std::string_view kind, std::string_view values, double seconds);
+  /// Visible from share `from` of the round to `to`, 0 <= from < to <= 1, else not.
+  void showDuring(double from, double to, double seconds);
   /// A tooltip and accessible name for the whole drawing; call it first.
   void title(std::string_view words);
 

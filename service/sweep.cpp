@@ -6,9 +6,11 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
+#include <memory>
 
 #include "navmesh/plan.h"
 #include "navmesh/random.h"
+#include "prediction/front_graph.h"
 #include "prediction/predict.h"
 #include "service/plot.h"
 #include "service/timing.h"
@@ -25,6 +27,34 @@ struct Start {
   std::vector<double> times;
   std::uint32_t settled = 0, nodes = 0, branches = 0, terminals = 0;
   std::uint64_t hash = 0;
+};
+
+// What is timed: one method with room for the whole graph, since a cut one costs less.
+class Contestant {
+ public:
+  Contestant(const navmesh::NavGraph& graph, prediction::Method method) : graph_(graph) {
+    if (method == prediction::Method::kFront) {
+      index_ = prediction::makeFrontIndex(graph);
+      prediction::DistanceLimits limits;
+      limits.windows = std::max(limits.windows, 4 * graph.polygonCount());
+      fronts_ = std::make_unique<prediction::FrontScratch>(graph, index_, limits);
+    } else {
+      prediction::PredictionLimits limits;
+      limits.polygons = std::max(limits.polygons, graph.polygonCount());
+      polygons_ = std::make_unique<prediction::Scratch>(graph, limits);
+    }
+  }
+
+  const prediction::PredictionGraph& predict(const navmesh::Location& place, float horizon) const {
+    return fronts_ ? prediction::predictFronts(graph_, place, horizon, *fronts_)
+                   : prediction::predict(graph_, place, horizon, *polygons_);
+  }
+
+ private:
+  const navmesh::NavGraph& graph_;
+  prediction::FrontIndex index_;
+  std::unique_ptr<prediction::FrontScratch> fronts_;
+  std::unique_ptr<prediction::Scratch> polygons_;
 };
 
 // Order matters, so that exchanged graphs are noticed.
@@ -75,16 +105,14 @@ std::vector<SweepRow> sweep(const navmesh::NavGraph& graph, const SweepSettings&
     for (std::uint32_t i = 0; i < settings.starts; ++i)
       starts.push_back({places.draw(rng), row, {}});
   }
-  prediction::PredictionLimits limits;
-  limits.polygons = std::max(limits.polygons, graph.polygonCount());  // time whole graphs only
-  prediction::Scratch scratch(graph, limits);
+  const Contestant contestant(graph, settings.method);
 
   // One round more than is counted: in the first, buffers still grow.
   for (std::uint32_t round = 0; round <= settings.repeats; ++round) {
     for (Start& start : starts) {
       const Stopwatch watch;
       const prediction::PredictionGraph& made =
-          prediction::predict(graph, start.place, settings.horizons[start.row], scratch);
+          contestant.predict(start.place, settings.horizons[start.row]);
       const double time = watch.microseconds();
       if (round > 0) {
         start.times.push_back(time);

@@ -13,6 +13,7 @@
 
 #include "navmesh/locate.h"
 #include "navmesh/nav_graph.h"
+#include "prediction/prediction_graph.h"
 
 namespace forewalk::service {
 
@@ -34,6 +35,7 @@ struct SweepSettings {
   std::uint32_t repeats =
       9;  ///< each start is timed so often, between other starts; its median counts
   std::uint64_t seed = 1;
+  prediction::Method method = prediction::Method::kPolygon;
 };
 
 /// One horizon. Times are over starts, in microseconds; counts are means over starts.
@@ -45,9 +47,9 @@ struct SweepRow {
   std::uint64_t hash;  ///< of all graphs; the same on every run of one build
 };
 
-/// Times predict(). Starts of all horizons are timed in turn, round after round: a start timed
-/// again at once would find its polygons in the cache and flatter the result. `progress` is told
-/// (done, total).
+/// Times predict() or predictFronts(). Starts of all horizons are timed in turn, round after round:
+/// a start timed again at once would find its polygons in the cache and flatter the result.
+/// `progress` is told (done, total).
 std::vector<SweepRow> sweep(const navmesh::NavGraph& graph, const SweepSettings& settings,
                             const std::function<void(std::size_t, std::size_t)>& progress = {});
 

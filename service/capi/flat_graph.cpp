@@ -23,6 +23,8 @@ static_assert(FOREWALK_NODE_TERMINAL == static_cast<int>(prediction::NodeKind::k
 static_assert(FOREWALK_REASON_NONE == static_cast<int>(prediction::TerminalReason::kNone));
 static_assert(FOREWALK_REASON_HORIZON == static_cast<int>(prediction::TerminalReason::kHorizon));
 static_assert(FOREWALK_REASON_DEAD_END == static_cast<int>(prediction::TerminalReason::kDeadEnd));
+static_assert(FOREWALK_NODE_JOIN == static_cast<int>(prediction::NodeKind::kJoin));
+static_assert(FOREWALK_REASON_MEETING == static_cast<int>(prediction::TerminalReason::kMeeting));
 static_assert(prediction::index(prediction::kNoNode) == kNone);
 static_assert(navmesh::index(navmesh::kNoPolygon) == kNone);
 
@@ -45,7 +47,24 @@ std::size_t pointsAcross(const NavGraph& graph, std::uint32_t polygon) {
 
 }  // namespace
 
-FlatGraph::FlatGraph(const NavGraph& graph, std::uint32_t polygons) {
+FlatGraph::FlatGraph(const NavGraph& graph, std::uint32_t polygons, prediction::Method method)
+    : method_(method) {
+  const std::size_t count = std::min(polygons, graph.polygonCount());
+  if (method == prediction::Method::kPolygon) {
+    reserveForPolygons(graph, count);
+    return;
+  }
+  // Every junction takes a wall of its own, and buildings have about as many walls as polygons.
+  constexpr std::size_t kCornersOfAWay = 8;
+  nodes_.reserve(2 * count + 64);
+  fronts_.reserve(2 * count + 64);
+  edges_.reserve(3 * count + 64);
+  widths_.reserve(3 * count + 64);
+  points_.reserve(kCornersOfAWay * (3 * count + 64));
+  lifted_.reserve(count + 64);
+}
+
+void FlatGraph::reserveForPolygons(const NavGraph& graph, std::size_t count) {
   std::vector<std::size_t> neighbours, onePath, allPaths;
   for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
     neighbours.push_back(graph.neighbourCount[p]);
@@ -54,9 +73,9 @@ FlatGraph::FlatGraph(const NavGraph& graph, std::uint32_t polygons) {
     // tree, if that comes after it, or a loop. One more for a cut that lies before its prev.
     allPaths.push_back((graph.neighbourCount[p] + 1) * onePath.back());
   }
-  const std::size_t count = std::min(polygons, graph.polygonCount());
   nodes_.reserve(count + 1);
   edges_.reserve(count + sumOfLargest(std::move(neighbours), count) / 2);
+  widths_.reserve(edges_.capacity());
   portals_.reserve(count);
   lifted_.reserve(sumOfLargest(std::move(onePath), count) + 2);
   points_.reserve(sumOfLargest(std::move(allPaths), count) + 2);
@@ -68,6 +87,8 @@ void FlatGraph::clear() {
   nodes_.clear();
   edges_.clear();
   points_.clear();
+  fronts_.clear();
+  widths_.clear();
 }
 
 void FlatGraph::flatten(const NavGraph& navGraph, const PredictionGraph& graph,
@@ -86,6 +107,14 @@ void FlatGraph::flatten(const NavGraph& navGraph, const PredictionGraph& graph,
                       .reserved = 0});
   }
   for (const prediction::Edge& edge : graph.edges) addEdge(navGraph, graph, edge, axes);
+  for (std::size_t i = 0; i < graph.fronts.size(); ++i) {
+    const prediction::Front& front = graph.fronts[i];
+    const float height = graph.node(graph.terminals[i]).height;
+    fronts_.push_back({.node = prediction::index(graph.terminals[i]),
+                       .length = front.length,
+                       .from = positionTo(axes, navmesh::toSpace(front.from, height)),
+                       .to = positionTo(axes, navmesh::toSpace(front.to, height))});
+  }
 }
 
 void FlatGraph::addEdge(const NavGraph& navGraph, const PredictionGraph& graph,
@@ -97,6 +126,7 @@ void FlatGraph::addEdge(const NavGraph& navGraph, const PredictionGraph& graph,
                     .path_start = static_cast<std::uint32_t>(points_.size()),
                     .path_count = static_cast<std::uint32_t>(lifted_.size()),
                     .loop = edge.kind == prediction::EdgeKind::kLoop});
+  widths_.push_back(edge.width);
   for (const glm::vec3 point : lifted_) points_.push_back(positionTo(axes, point));
 }
 
@@ -109,7 +139,11 @@ forewalk_graph_view FlatGraph::view() const {
           .edges = edges_.data(),
           .points = points_.data(),
           .horizon = horizon_,
-          .complete_to = completeTo_};
+          .complete_to = completeTo_,
+          .fronts = fronts_.data(),
+          .widths = widths_.data(),
+          .front_count = static_cast<std::uint32_t>(fronts_.size()),
+          .method = static_cast<forewalk_method>(method_)};
 }
 
 }  // namespace forewalk::capi

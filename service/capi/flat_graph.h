@@ -12,9 +12,10 @@ namespace forewalk::capi {
 /// Owned by a session, filled when somebody asks.
 class FlatGraph {
  public:
-  /// Makes room for every graph of up to `polygons` settled polygons of `graph`, over whatever
-  /// ground: flatten() then allocates nothing. O(polygons of the navmesh).
-  FlatGraph(const navmesh::NavGraph& graph, std::uint32_t polygons);
+  /// Makes room for every graph by polygons of up to `polygons` settled polygons of `graph`, over
+  /// whatever ground: flatten() then allocates nothing. For graphs by fronts, which have no such
+  /// bound, it makes room for more than buildings need. O(polygons of the navmesh).
+  FlatGraph(const navmesh::NavGraph& graph, std::uint32_t polygons, prediction::Method method);
 
   /// Replaces the arrays by those of `graph`, which was predicted on `navGraph`. Paths are lifted
   /// onto the floor, to 2 cm.
@@ -27,14 +28,18 @@ class FlatGraph {
   forewalk_graph_view view() const;
 
  private:
+  void reserveForPolygons(const navmesh::NavGraph& graph, std::size_t count);
   void addEdge(const navmesh::NavGraph& navGraph, const prediction::PredictionGraph& graph,
                const prediction::Edge& edge, forewalk_axes axes);
 
   float horizon_ = 0.0f;
   float completeTo_ = 0.0f;
+  prediction::Method method_;
   std::vector<forewalk_node> nodes_;
   std::vector<forewalk_edge> edges_;
   std::vector<forewalk_vec3> points_;
+  std::vector<forewalk_front> fronts_;
+  std::vector<float> widths_;           // one an edge
   std::vector<std::uint32_t> portals_;  // of the edge at hand
   std::vector<glm::vec3> lifted_;       // of the edge at hand
 };

@@ -216,6 +216,15 @@ enum {
   FOREWALK_LIMITS_CUSTOM = 4      /* the numbers in the settings */
 };
 
+/* How the prediction graph is made. */
+typedef int32_t forewalk_method;
+enum {
+  FOREWALK_METHOD_POLYGON = 0, /* as published: polygons of the navmesh with more than two
+                                  neighbours are branches, their centroids the nodes; the default */
+  FOREWALK_METHOD_FRONT = 1    /* real junctions, whatever the polygons: where the front of all
+                                  points at one walking distance splits, meets and ends */
+};
+
 /* Horizontal point of the tracked room: `right` and `forward` along the axes' directions of these
  * names (OpenXR: x and -z, Unity: x and z, Unreal: y and x). Metres (Unreal: centimetres). */
 typedef struct forewalk_point2 {
@@ -262,6 +271,10 @@ typedef struct forewalk_session_settings {
   int32_t always_predict; /* 0: only where the controller asks for it, so that forewalk_graph has
                              nothing to show with NONE, S2C and S2O; default 1 */
   uint32_t reserved;      /* 0 */
+
+  forewalk_method method;
+  float persistence; /* for FOREWALK_METHOD_FRONT: ways shorter than this are part of the one they
+                        leave, so that a niche is no corridor; metres, [0, 100]; default 0.75 */
 } forewalk_session_settings;
 
 FOREWALK_API void forewalk_session_settings_init(
@@ -357,10 +370,22 @@ FOREWALK_API forewalk_status forewalk_session_teleport(forewalk_session* session
 /* ---- the prediction graph ------------------------------------------------------------------- */
 
 typedef uint8_t forewalk_node_kind;
-enum { FOREWALK_NODE_SOURCE = 0, FOREWALK_NODE_BRANCH = 1, FOREWALK_NODE_TERMINAL = 2 };
+enum {
+  FOREWALK_NODE_SOURCE = 0,
+  FOREWALK_NODE_BRANCH = 1,   /* the ways part */
+  FOREWALK_NODE_TERMINAL = 2, /* prediction stops */
+  FOREWALK_NODE_JOIN = 3 /* ways come together and go on as one; with `branch` 1 they part again
+                            at once (FOREWALK_METHOD_FRONT only) */
+};
 
 typedef uint8_t forewalk_terminal_reason;
-enum { FOREWALK_REASON_NONE = 0, FOREWALK_REASON_HORIZON = 1, FOREWALK_REASON_DEAD_END = 2 };
+enum {
+  FOREWALK_REASON_NONE = 0,
+  FOREWALK_REASON_HORIZON = 1,
+  FOREWALK_REASON_DEAD_END = 2,
+  FOREWALK_REASON_MEETING = 3 /* another way comes toward this one, and both end; a loop edge of no
+                                 length joins the two (FOREWALK_METHOD_FRONT only) */
+};
 
 typedef struct forewalk_node {
   forewalk_vec3 position;
@@ -369,7 +394,7 @@ typedef struct forewalk_node {
   uint32_t polygon; /* UINT32_MAX: none, the user is off the navmesh */
   forewalk_node_kind kind;
   forewalk_terminal_reason reason;
-  uint8_t branch; /* 1: a branch node (a terminal can be one too) */
+  uint8_t branch; /* 1: a branch node (a terminal or a join can be one too) */
   uint8_t reserved;
 } forewalk_node;
 
@@ -377,10 +402,21 @@ typedef struct forewalk_edge {
   uint32_t from, to; /* nodes */
   float length;      /* of the taut path between them, metres */
   /* Its points in forewalk_graph_view.points, from `from` to `to`. They lie on the floor, with one
-   * wherever the floor bends (stairs). */
+   * wherever the floor bends (stairs). With FOREWALK_METHOD_FRONT only the ends of a path do,
+   * heights between are interpolated along it; and the path is that part of the shortest path to
+   * `from` which is further from the source than `to`, so it need not end in `to` itself. */
   uint32_t path_start, path_count;
   int32_t loop; /* 0: to its prev; 1: joins neighbours that the tree leaves apart */
 } forewalk_edge;
+
+/* The points at one distance from the source where people on a way would cross it. */
+typedef struct forewalk_front {
+  uint32_t node; /* the terminal whose way it belongs to */
+  float length;  /* metres; 0 where the way ends before the horizon */
+  /* Its ends, on walls, as high as the floor at the node. Equal where it is closed (all around the
+   * user, on an open plane) or a point. */
+  forewalk_vec3 from, to;
+} forewalk_front;
 
 /* This frame's graph as flat arrays, in the session's axes. Owned by the session; they live until
  * its next call of forewalk_frame, forewalk_graph or forewalk_session_destroy. Copy them for
@@ -395,12 +431,21 @@ typedef struct forewalk_graph_view {
   const forewalk_vec3* points;
   float horizon;     /* metres */
   float complete_to; /* all ways are known out to here; less than horizon at a limit */
+
+  const forewalk_front*
+      fronts;          /* one a terminal, in the order of nodes; none with _METHOD_POLYGON */
+  const float* widths; /* one an edge: of the narrower end of its way, metres; 0 with
+                          _METHOD_POLYGON, and where a way begins and ends in points */
+  uint32_t front_count;
+  forewalk_method method; /* that it was made by */
 } forewalk_graph_view;
 
 /* The graph that the latest forewalk_frame predicted. No nodes before the first frame, and where
  * nothing was predicted (always_predict); one node, the source, while the user has not been on the
  * navmesh. Costs some 3 microseconds for 40 points, and grows with them; nothing where nobody asks.
- * Allocates nothing. Fails only for null pointers and a wrong struct_size. */
+ * Allocates nothing once its buffers have room for the largest graph: with FOREWALK_METHOD_POLYGON
+ * from the first call on, with FOREWALK_METHOD_FRONT after the first few in a new place. Fails only
+ * for null pointers and a wrong struct_size. */
 FOREWALK_API forewalk_status forewalk_graph(forewalk_session* session, forewalk_graph_view* view);
 
 #ifdef __cplusplus

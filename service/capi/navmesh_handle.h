@@ -5,14 +5,27 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "navmesh/world.h"
+#include "rdw/session.h"
 
-/// Only read after it is made, but for `owners`. Sessions hold the world, not this.
+/// Only read after it is made, but for `owners` and what is made when first asked for. Sessions
+/// hold the world, not this.
 struct forewalk_navmesh {
   std::shared_ptr<const forewalk::navmesh::World> world;
   std::vector<std::byte>
       fwmesh;  ///< kept in place of the half-edge mesh, which is several times larger
   std::atomic<std::uint32_t> owners{1};
+
+  /// What all sessions by fronts share. Any thread; the first one makes it.
+  std::shared_ptr<const forewalk::prediction::FrontIndex> frontIndex() const {
+    std::call_once(frontIndexMade_, [&] { frontIndex_ = forewalk::rdw::makeFrontIndex(*world); });
+    return frontIndex_;
+  }
+
+ private:
+  mutable std::once_flag frontIndexMade_;
+  mutable std::shared_ptr<const forewalk::prediction::FrontIndex> frontIndex_;
 };

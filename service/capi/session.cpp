@@ -17,7 +17,8 @@ struct forewalk_session {
   forewalk_session(forewalk::rdw::Session made, forewalk_axes spoken)
       : session(std::move(made)),
         axes(spoken),
-        graph(session.world().graph, session.settings().prediction.polygons) {}
+        graph(session.world().graph, session.settings().prediction.polygons,
+              session.settings().method) {}
 
   forewalk::rdw::Session session;
   forewalk_axes axes;
@@ -50,6 +51,9 @@ static_assert(FOREWALK_INSTRUCTION_KEEP_TURNING ==
               static_cast<int>(rdw::ResetInstruction::kKeepTurning));
 static_assert(FOREWALK_INSTRUCTION_WALK_BACK == static_cast<int>(rdw::ResetInstruction::kWalkBack));
 
+static_assert(FOREWALK_METHOD_POLYGON == static_cast<int>(prediction::Method::kPolygon));
+static_assert(FOREWALK_METHOD_FRONT == static_cast<int>(prediction::Method::kFront));
+
 constexpr float kDefaultSide = 4.0f;  // of the tracked space, metres
 
 // In the order of their constants.
@@ -76,6 +80,8 @@ forewalk_session_settings defaultSessionSettings() {
   settings.polygon_limit = ours.prediction.polygons;
   settings.resets = 1;
   settings.always_predict = 1;
+  settings.method = static_cast<forewalk_method>(ours.method);
+  settings.persistence = ours.front.persistence;
   return settings;
 }
 
@@ -139,6 +145,9 @@ forewalk_status checkForm(const forewalk_session_settings& settings) {
   if (settings.limits < FOREWALK_LIMITS_STEINICKE || settings.limits > FOREWALK_LIMITS_CUSTOM) {
     return unknownConstant("limits", settings.limits, FOREWALK_LIMITS_CUSTOM);
   }
+  if (settings.method < FOREWALK_METHOD_POLYGON || settings.method > FOREWALK_METHOD_FRONT) {
+    return unknownConstant("method", settings.method, FOREWALK_METHOD_FRONT);
+  }
   if ((settings.border == nullptr && settings.border_count > 0) ||
       ((settings.hole_points == nullptr || settings.hole_sizes == nullptr) &&
        settings.hole_count > 0)) {
@@ -192,6 +201,9 @@ tl::expected<rdw::Session, Error> makeSession(const forewalk_navmesh& navmesh,
   }
   ours.prediction.polygons = settings.polygon_limit;
   ours.resets = settings.resets != 0;
+  ours.method = static_cast<prediction::Method>(settings.method);
+  ours.front.persistence = settings.persistence;
+  if (ours.method == prediction::Method::kFront) ours.frontIndex = navmesh.frontIndex();
   return rdw::Session::make(navmesh.world, std::move(ours));
 }
 

@@ -11,10 +11,12 @@
 
 #include "navmesh/plan.h"
 #include "prediction/dump.h"
+#include "prediction/front_graph.h"
 #include "prediction/plan_drawing.h"
 #include "prediction/predict.h"
 #include "rdw/simulation.h"
 #include "service/cli/bundled.h"
+#include "service/cli/method_option.h"
 #include "service/cli/verb.h"
 #include "service/console.h"
 #include "service/files.h"
@@ -36,6 +38,7 @@ struct DemoOptions {
   double metres = 200.0;
   std::uint32_t walks = 3;
   std::uint64_t seed = 1;
+  prediction::Method method = prediction::Method::kPolygon;
   std::filesystem::path out = "out";
 };
 
@@ -70,6 +73,7 @@ std::vector<Walks> controllers() {
 struct Building {
   std::string name;
   std::shared_ptr<const navmesh::World> world;
+  std::shared_ptr<const prediction::FrontIndex> frontIndex{};
   double area = 0.0;   // walkable, m^2
   glm::dvec2 size{0};  // metres
 };
@@ -95,6 +99,7 @@ tl::expected<Building, Error> loadBuilding(const std::string& scene) {
     building.area += navmesh::areaOf(graph, navmesh::PolygonId{p});
   }
   building.size = prediction::boundsOf(graph).size();
+  building.frontIndex = rdw::makeFrontIndex(*building.world);
   return building;
 }
 
@@ -109,6 +114,8 @@ tl::expected<void, Error> walk(const Building& building, const DemoOptions& opti
     config.session.space = room;
     config.session.limits = *rdw::gainLimitsByName(kLimits);
     config.session.controller = walks.controller;
+    config.session.method = options.method;
+    config.session.frontIndex = building.frontIndex;
     config.stop.virtualMetres = options.metres;
     config.seed = options.seed + i;
     auto result = rdw::simulate(building.world, config, run);
@@ -175,6 +182,7 @@ class Pictures {
   tl::expected<void, Error> written_;
 };
 
+// By both methods, to be compared.
 void drawPrediction(Pictures& pictures, const Building& building,
                     const std::vector<rdw::FrameRecord>& frames) {
   // From where the first walk began: a place that a user really stood at.
@@ -186,19 +194,27 @@ void drawPrediction(Pictures& pictures, const Building& building,
   const auto place =
       navmesh::locate(graph, building.world->locations, navmesh::toSpace(plan, 0.0f), anyHeight);
   if (!place) return;
-  prediction::Scratch scratch(graph);
-  prediction::predict(graph, *place, kDumpHorizon, scratch);
-  const service::Stopwatch watch;
-  const prediction::PredictionGraph& ways =
-      prediction::predict(graph, *place, kDumpHorizon, scratch);
-  const double microseconds = watch.microseconds();
-  const std::string title =
-      fmt::format("Ways ahead within {:g} m: {}", kDumpHorizon, building.name);
-  const prediction::PlanText text{title, static_cast<float>(frames.front().virtualHeading)};
-  pictures.write("prediction.svg", prediction::toSvg(graph, ways, text));
-  pictures.write("prediction.json", prediction::toJson(graph, ways, microseconds));
-  pictures.write("prediction.graphml", prediction::toGraphml(ways));
-  pictures.write("prediction.dot", prediction::toDot(ways));
+  const auto write = [&](const std::string& stem, const std::string& how, const auto& predict) {
+    predict();  // buffers grow
+    const service::Stopwatch watch;
+    const prediction::PredictionGraph& ways = predict();
+    const double microseconds = watch.microseconds();
+    const std::string title =
+        fmt::format("Ways ahead within {:g} m{}: {}", kDumpHorizon, how, building.name);
+    const prediction::PlanText text{title, static_cast<float>(frames.front().virtualHeading)};
+    pictures.write(stem + ".svg", prediction::toSvg(graph, ways, text));
+    pictures.write(stem + ".json", prediction::toJson(graph, ways, microseconds));
+    pictures.write(stem + ".graphml", prediction::toGraphml(ways));
+    pictures.write(stem + ".dot", prediction::toDot(ways));
+  };
+  prediction::Scratch polygons(graph);
+  write("prediction", "", [&]() -> const prediction::PredictionGraph& {
+    return prediction::predict(graph, *place, kDumpHorizon, polygons);
+  });
+  prediction::FrontScratch fronts(graph, *building.frontIndex);
+  write("prediction_front", ", by fronts", [&]() -> const prediction::PredictionGraph& {
+    return prediction::predictFronts(graph, *place, kDumpHorizon, fronts);
+  });
 }
 
 void drawWalks(Pictures& pictures, const Building& building, const rdw::TrackedSpace& room,
@@ -232,9 +248,10 @@ void drawWalks(Pictures& pictures, const Building& building, const rdw::TrackedS
   pictures.write("resets.svg", service::toSvg(plot));
 }
 
-void drawSweep(Pictures& pictures, const Building& building, std::uint64_t seed) {
+void drawSweep(Pictures& pictures, const Building& building, const DemoOptions& options) {
   service::SweepSettings settings;
-  settings.seed = seed;
+  settings.seed = options.seed;
+  settings.method = options.method;
   for (int metres = 5; metres <= 40; metres += 5)
     settings.horizons.push_back(static_cast<float>(metres));
   const auto rows = service::sweep(building.world->graph, settings);
@@ -271,7 +288,7 @@ tl::expected<void, Error> run(const DemoOptions& options) {
     Pictures pictures(folders.back());
     drawPrediction(pictures, *building, all.front().frames);
     drawWalks(pictures, *building, *room, all);
-    drawSweep(pictures, *building, options.seed);
+    drawSweep(pictures, *building, options);
     if (!pictures.written()) return pictures.written();
   }
   if (auto written = service::writeFile(options.out / "table.txt", tables); !written)
@@ -280,6 +297,7 @@ tl::expected<void, Error> run(const DemoOptions& options) {
   fmt::print(
       "\nOpen first:\n"
       "  {0}/prediction.svg              where the user can go within {1:g} m\n"
+      "  {0}/prediction_front.svg        the same by real junctions (--method front)\n"
       "  {0}/virtual_s2c_predictive.svg  the walk through the building\n"
       "  {0}/room_s2c_predictive.svg     the same walk inside the room (and room_none.svg)\n"
       "  {0}/resets.svg                  how often the user had to be stopped\n"
@@ -312,6 +330,7 @@ Verb addDemo(CLI::App& program) {
   verb->add_option("--seed", options->seed, "Of the first walk")
       ->check(wholeNumber)
       ->capture_default_str();
+  addMethodOption(*verb, options->method);
   verb->add_option("--out", options->out, "Folder to write to")
       ->check(fileName)
       ->capture_default_str();

@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "service/cli/verb.h"
 #include "service/console.h"
@@ -13,6 +15,50 @@ namespace forewalk::cli {
 namespace {
 
 constexpr int kDone = 0, kRefused = 1, kWrongUsage = 2;
+
+constexpr const char* kVerbs = "build, predict, sweep, simulate, fit, evaluate, animate or demo";
+
+// The verb that was given, or the program where none was.
+const CLI::App& partOf(const CLI::App& program) {
+  const auto verbs = program.get_subcommands();
+  return verbs.empty() ? program : *verbs.front();
+}
+
+std::string nothingIsCalled(const CLI::App& program, const std::vector<std::string>& words) {
+  const auto option = std::find_if(words.begin(), words.end(), [](const std::string& word) {
+    return word.size() > 1 && word[0] == '-';
+  });
+  if (option != words.end()) return fmt::format("there is no option {}", *option);
+  if (words.empty()) return "something here was not understood";
+  if (program.get_subcommands().empty()) {
+    return fmt::format("there is no verb \"{}\"; give {}", words.front(), kVerbs);
+  }
+  return fmt::format("\"{}\" is one word too many", words.front());
+}
+
+// CLI11's own sentences are about its classes; these are about what was typed.
+std::string inPlainWords(const CLI::App& program, const CLI::ParseError& error) {
+  const std::string message = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    return nothingIsCalled(program, program.remaining(true));
+  }
+  const std::string convert = "Could not convert: ", is = " = ";
+  if (const auto at = message.find(is); message.rfind(convert, 0) == 0 && at != message.npos) {
+    const std::string option = message.substr(convert.size(), at - convert.size());
+    const CLI::Option* known = partOf(program).get_option_no_throw(option);
+    const bool whole = known != nullptr && known->get_type_name().rfind("UINT", 0) == 0;
+    return fmt::format("{}: \"{}\" is no {}", option, message.substr(at + is.size()),
+                       whole ? "whole number, 0 or more" : "number");
+  }
+  if (const auto at = message.find(": At Most 1 required but received "); at != message.npos) {
+    return fmt::format("{} is given {} times; give it once", message.substr(0, at),
+                       message.substr(message.rfind(' ') + 1));
+  }
+  if (const auto at = message.find(": 1 required "); at != message.npos) {
+    return fmt::format("{} needs a value", message.substr(0, at));
+  }
+  return message;
+}
 
 int refuseUsage(const CLI::App& program, const std::string& message) {
   std::string name = program.get_name();
@@ -34,10 +80,12 @@ int run(int argc, char** argv) {
   program.require_subcommand(0, 1);
   program.footer(
       "Each verb explains itself: forewalk predict --help.\n"
-      "Lengths are metres; positions are x,y,z in scene axes, y up.\n"
+      "Lengths are metres; positions are x,y,z in metres, y up (as the scene lies after --unit and "
+      "--up).\n"
       "Exit status: 0 done, 1 the input was refused, 2 wrong usage.");
   const Verb verbs[] = {addBuild(program), addPredict(program), addSweep(program),
-                        addSimulate(program), addDemo(program)};
+                        addSimulate(program), addFit(program), addEvaluate(program),
+                        addAnimate(program), addDemo(program)};
   try {
     program.parse(argc, argv);
     for (const Verb& verb : verbs) {
@@ -48,10 +96,10 @@ int run(int argc, char** argv) {
       }
       return kDone;
     }
-    return refuseUsage(program, "a verb is missing: build, predict, sweep, simulate or demo");
+    return refuseUsage(program, fmt::format("a verb is missing: {}", kVerbs));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
-    return refuseUsage(program, error.what());
+    return refuseUsage(program, inPlainWords(program, error));
   }
 }
 

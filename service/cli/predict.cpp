@@ -30,6 +30,7 @@ struct PredictOptions {
   std::string method = "polygon";
   float persistence = prediction::FrontSettings{}.persistence;
   std::string format;
+  bool distances = false;
   std::filesystem::path out = "-";
 };
 
@@ -64,6 +65,10 @@ tl::expected<void, Error> run(const PredictOptions& options) {
         fmt::format("{:g} m is out of range; give 0 to 100 m", options.persistence));
   }
   const std::string format = formatOf(options);
+  if (options.distances && format != "svg") {
+    throw CLI::ValidationError("--distances",
+                               fmt::format("is for plans, not for {}; add --format svg", format));
+  }
   if (auto writable = service::checkWritable(options.out); !writable) return writable;
   auto world = loadWorld(options.scene);
   if (!world) return tl::unexpected(std::move(world.error()));
@@ -96,8 +101,17 @@ tl::expected<void, Error> run(const PredictOptions& options) {
   if (format == "svg") {
     const std::string title = fmt::format("Ways ahead within {:g} m in {}", options.horizon,
                                           options.scene.scene.stem().string());
-    prediction::PlanText text{title, {}};
+    prediction::PlanText text{title, {}, nullptr};
     if (options.headingDegrees) text.heading = glm::radians(*options.headingDegrees);
+    std::optional<prediction::PortalEnds> ends;
+    std::optional<prediction::DistanceField> distances;
+    if (options.distances && byFronts) text.distances = &frontScratch->distances();
+    if (options.distances && !byFronts) {
+      ends = prediction::makePortalEnds(navGraph);
+      distances.emplace(navGraph, *ends);
+      distances->run(*place, options.horizon);
+      text.distances = &*distances;
+    }
     return service::writeFile(options.out, prediction::toSvg(navGraph, *graph, text));
   }
   return service::writeFile(options.out,
@@ -131,13 +145,19 @@ Verb addPredict(CLI::App& program) {
           "json, graphml (yEd, Gephi, networkx), dot (Graphviz) or svg (a plan); by default what "
           "the ending of --out says, json where it has none")
       ->check(CLI::IsMember({"json", "graphml", "dot", "svg"}));
+  verb->add_flag(
+      "--distances", options->distances,
+      "In a plan: exact walking distances as colour, with a line every metre (every few, "
+      "where the horizon is far)");
   verb->add_option("--out", options->out, "File to write; - is stdout")
       ->check(fileName)
       ->capture_default_str();
   verb->footer(
       "Example:\n"
       "  forewalk predict assets/scenes/office.obj --at 10,0,8 --heading-deg 90 --horizon 20 \\\n"
-      "      --format svg --out plan.svg");
+      "      --format svg --out plan.svg\n"
+      "  forewalk predict assets/scenes/museum.obj --at 22,0,17 --method front --distances \\\n"
+      "      --out museum.svg");
   return {verb, [options] { return run(*options); }};
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "service/cli/method_option.h"
 #include "service/cli/scene_options.h"
 #include "service/cli/verb.h"
 #include "service/console.h"
@@ -23,6 +24,7 @@ struct SweepOptions {
   std::uint32_t starts = 25;
   std::uint32_t repeats = 9;
   std::uint64_t seed = 1;
+  prediction::Method method = prediction::Method::kPolygon;
   std::filesystem::path out = "out/sweep";
 };
 
@@ -37,6 +39,7 @@ tl::expected<void, Error> run(const SweepOptions& options) {
   settings.starts = options.starts;
   settings.repeats = options.repeats;
   settings.seed = options.seed;
+  settings.method = options.method;
   const std::string csv = options.out.string() + ".csv";
   const std::string svg = options.out.string() + ".svg";
   for (const std::string& file : {csv, svg}) {
@@ -89,6 +92,7 @@ Verb addSweep(CLI::App& program) {
   verb->add_option("--seed", options->seed, "Of the random starts")
       ->check(wholeNumber)
       ->capture_default_str();
+  addMethodOption(*verb, options->method);
   verb->add_option("--out", options->out, "Where to write: OUT.csv and OUT.svg")
       ->check([](const std::string& text) {
         const std::filesystem::path last = std::filesystem::path(text).filename();
