@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "rdw/simulation.h"
+#include "service/cli/method_option.h"
 #include "service/console.h"
 #include "service/files.h"
 #include "service/parallel.h"
@@ -36,6 +37,7 @@ struct Options {
   double room = 6.0;
   std::string limits = "laboratory";
   float horizon = 10.0f;
+  prediction::Method method = prediction::Method::kPolygon;
   unsigned threads = 0;
 };
 
@@ -100,6 +102,7 @@ tl::expected<void, Error> run(const Options& options) {
   if (!room) return tl::unexpected(room.error());
   const std::vector<std::string> names = scenesOf(options.scenes);
   std::vector<std::shared_ptr<const navmesh::World>> worlds;
+  std::vector<std::shared_ptr<const prediction::FrontIndex>> fronts;
   for (const std::string& name : names) {
     const std::filesystem::path bundled =
         std::filesystem::path(FOREWALK_ASSETS) / "scenes" / (name + ".obj");
@@ -109,6 +112,7 @@ tl::expected<void, Error> run(const Options& options) {
             .and_then([](const navmesh::NavMesh& navMesh) { return service::makeWorld(navMesh); });
     if (!world) return tl::unexpected(std::move(world.error()));
     worlds.push_back(std::move(*world));
+    fronts.push_back(rdw::makeFrontIndex(*worlds.back()));
   }
 
   std::vector<Walk> walks;
@@ -131,6 +135,8 @@ tl::expected<void, Error> run(const Options& options) {
       config.session.limits = *limits;
       config.session.controller = kControllers[walk.controller];
       config.session.horizon = options.horizon;
+      config.session.method = options.method;
+      config.session.frontIndex = fronts[walk.scene];
       config.session.alwaysPredict = false;
       config.stop.virtualMetres = options.metres;
       config.seed = walk.seed;
@@ -162,12 +168,13 @@ tl::expected<void, Error> run(const Options& options) {
   }
 
   fmt::print(
-      "Resets per 100 virtual metres in a {0:g} m x {0:g} m room, limits \"{1}\", horizon {2:g} m; "
-      "{3} "
-      "seeds of {4:g} m;\nmean +- standard error over seeds. Predictive minus reactive is paired "
+      "Resets per 100 virtual metres in a {0:g} m x {0:g} m room, limits \"{1}\", horizon {2:g} m, "
+      "graphs by {4}; {3} "
+      "seeds of {5:g} m;\nmean +- standard error over seeds. Predictive minus reactive is paired "
       "by "
       "seed: below 0, prediction helps.\n\n",
-      options.room, options.limits, options.horizon, options.seeds, options.metres);
+      options.room, options.limits, options.horizon, options.seeds,
+      options.method == prediction::Method::kFront ? "fronts" : "polygons", options.metres);
   fmt::print("{:<12}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}  {:>15}\n", "", "none",
              "S2C reactive", "S2C predictive", "S2O reactive", "S2O predictive", "S2C pred-react",
              "S2O pred-react");
@@ -202,6 +209,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   program.add_option("--limits", options.limits, "Preset of gain limits")->capture_default_str();
   program.add_option("--horizon", options.horizon, "Of prediction, metres")->capture_default_str();
+  forewalk::cli::addMethodOption(program, options.method);
   program.add_option("--threads", options.threads, "0: all cores; results do not depend on it")
       ->capture_default_str();
   CLI11_PARSE(program, argc, argv);

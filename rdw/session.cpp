@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
@@ -20,13 +21,37 @@ constexpr float kSameGround = 0.05f;
 // Somebody further from any ground of their storey is nowhere, metres.
 constexpr float kFarthestGround = 64.0f;
 
+constexpr float kLongestPersistence = 100.0f;  // metres
+
+// Fronts need two or three windows for a polygon of a building.
+prediction::DistanceLimits distanceLimits(const navmesh::World& world,
+                                          const prediction::PredictionLimits& limits) {
+  const std::uint64_t polygons = std::min(limits.polygons, world.graph.polygonCount());
+  return {.windows =
+              static_cast<std::uint32_t>(std::min<std::uint64_t>(8 * polygons + 64, 1u << 28))};
+}
+
 }  // namespace
 
+std::shared_ptr<const prediction::FrontIndex> makeFrontIndex(const navmesh::World& world) {
+  return std::make_shared<const prediction::FrontIndex>(prediction::makeFrontIndex(world.graph));
+}
+
 PreparedWorld prepareWorld(std::shared_ptr<const navmesh::World> world,
-                           const prediction::PredictionLimits& limits) {
+                           const prediction::PredictionLimits& limits, prediction::Method method,
+                           std::shared_ptr<const prediction::FrontIndex> frontIndex) {
   assert(world != nullptr);
-  auto scratch = std::make_unique<prediction::Scratch>(world->graph, limits);
-  return {std::move(world), std::move(scratch)};
+  PreparedWorld prepared;
+  if (method == prediction::Method::kFront) {
+    if (frontIndex == nullptr) frontIndex = makeFrontIndex(*world);
+    prepared.frontScratch = std::make_unique<prediction::FrontScratch>(
+        world->graph, *frontIndex, distanceLimits(*world, limits));
+    prepared.frontIndex = std::move(frontIndex);
+  } else {
+    prepared.scratch = std::make_unique<prediction::Scratch>(world->graph, limits);
+  }
+  prepared.world = std::move(world);
+  return prepared;
 }
 
 Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings settings,
@@ -34,9 +59,15 @@ Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings se
     : world_(std::move(world)),
       settings_(std::move(settings)),
       controller_(std::move(controller)),
-      scratch_(std::make_unique<prediction::Scratch>(world_->graph, settings_.prediction)),
       tracker_(settings_.motion),
-      reset_(settings_.reset) {}
+      reset_(settings_.reset) {
+  PreparedWorld prepared = prepareWorld(world_, settings_.prediction, settings_.method,
+                                        std::exchange(settings_.frontIndex, nullptr));
+  scratch_ = std::move(prepared.scratch);
+  frontIndex_ = std::move(prepared.frontIndex);
+  frontScratch_ = std::move(prepared.frontScratch);
+  states_ = std::exchange(settings_.states, nullptr);
+}
 
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
@@ -76,6 +107,11 @@ tl::expected<Session, Error> Session::make(std::shared_ptr<const navmesh::World>
                     "negative, and the deceleration must be above 0.",
                     reset.reactionTime, reset.deceleration, reset.clearance, reset.warningTime));
   }
+  if (!(settings.front.persistence >= 0.0f && settings.front.persistence <= kLongestPersistence)) {
+    return outOfRange(fmt::format(
+        "session: a persistence of {} m cannot work: give 0 to {:g} m; 0.75 m leaves niches out.",
+        settings.front.persistence, kLongestPersistence));
+  }
   if (settings.prediction.polygons < 1)
     return outOfRange("session: a limit of 0 predicted polygons cannot work: give 1 or more.");
 
@@ -104,9 +140,13 @@ bool Session::teleport(const VirtualStart& to) {
 }
 
 void Session::enter(PreparedWorld& next) {
-  assert(next.world != nullptr && next.scratch != nullptr);
+  assert(next.world != nullptr && (next.scratch != nullptr) == (scratch_ != nullptr) &&
+         (next.frontScratch != nullptr) == (frontScratch_ != nullptr));
   std::swap(world_, next.world);
   std::swap(scratch_, next.scratch);
+  std::swap(frontIndex_, next.frontIndex);
+  std::swap(frontScratch_, next.frontScratch);
+  std::swap(states_, next.states);
   result_.graph = nullptr;
   if (location_.polygon == navmesh::kNoPolygon) return;
   // From where the user stood on the old ground: heads and walls beside it are the frame's matter.
@@ -119,6 +159,11 @@ void Session::enter(PreparedWorld& next) {
     location_.polygon = navmesh::kNoPolygon;
   }
   result_.location = location_;
+}
+
+void Session::setStates(std::shared_ptr<const navmesh::PolygonStates>& next) {
+  assert(next == nullptr || next->allOpen() || next->cost.size() == world_->graph.polygonCount());
+  std::swap(states_, next);
 }
 
 // Doubled again and again, because a search costs what lies within its distance.
@@ -179,7 +224,11 @@ void Session::predict() {
   result_.graph = nullptr;
   if (!settings_.alwaysPredict && !controller_->wantsPrediction()) return;
   const prediction::PredictionGraph& graph =
-      prediction::predict(world_->graph, location_, settings_.horizon, *scratch_);
+      frontScratch_ != nullptr
+          ? prediction::predictFronts(world_->graph, location_, settings_.horizon, *frontScratch_,
+                                      settings_.front)
+          : prediction::predict(world_->graph, location_, settings_.horizon, *scratch_,
+                                states_.get());
   if ((graph.flags & prediction::kPolygonLimit) != 0) result_.flags |= kGraphLimit;
   result_.graph = &graph;
 }

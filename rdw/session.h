@@ -12,7 +12,9 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "navmesh/polygon_states.h"
 #include "navmesh/world.h"
+#include "prediction/front_graph.h"
 #include "prediction/predict.h"
 #include "rdw/controller.h"
 #include "rdw/gains.h"
@@ -38,6 +40,18 @@ struct SessionSettings {
   /// Predict in every frame, even where the controller does not ask (to draw it, to compare costs).
   bool alwaysPredict = true;
 
+  /// How the graph is made (prediction_graph.h), and what graphs by fronts take for a way.
+  prediction::Method method = prediction::Method::kPolygon;
+  prediction::FrontSettings front;
+
+  /// For graphs by fronts: the world's index, where it has been made for another session already.
+  /// None: the session makes its own.
+  std::shared_ptr<const prediction::FrontIndex> frontIndex;
+
+  /// What is closed in the world, and what costs more: graphs by polygons lead nobody there. None:
+  /// all is open. Others later with Session::setStates.
+  std::shared_ptr<const navmesh::PolygonStates> states;
+
   /// Where the first frame's head is put, looking along `heading`. None: virtual space is physical
   /// space at first, and the floor is looked for under the head.
   std::optional<VirtualStart> start;
@@ -56,13 +70,23 @@ struct SessionSettings {
 /// the frame only exchanges it (Session::enter).
 struct PreparedWorld {
   std::shared_ptr<const navmesh::World> world;
-  std::unique_ptr<prediction::Scratch> scratch;
+  std::unique_ptr<prediction::Scratch> scratch;              ///< by polygons, else null
+  std::shared_ptr<const prediction::FrontIndex> frontIndex;  ///< by fronts, else null
+  std::unique_ptr<prediction::FrontScratch> frontScratch;    ///< by fronts, else null
+  std::shared_ptr<const navmesh::PolygonStates> states;      ///< of this world; null: all is open
 };
 
-/// Allocates all that frames in `world` will need. `limits` are those of the session's settings.
+/// What graphs by fronts need to know of `world`, to be shared by its sessions. O(polygons log
+/// polygons), some 0.5 ms for 1,000.
+std::shared_ptr<const prediction::FrontIndex> makeFrontIndex(const navmesh::World& world);
+
+/// Allocates all that frames in `world` will need. `limits` and `method` are those of the session's
+/// settings; `frontIndex` is this world's, made here where it is null and needed.
 /// O(polygons of the world), some 0.1 ms for 1,000.
 PreparedWorld prepareWorld(std::shared_ptr<const navmesh::World> world,
-                           const prediction::PredictionLimits& limits = {});
+                           const prediction::PredictionLimits& limits = {},
+                           prediction::Method method = prediction::Method::kPolygon,
+                           std::shared_ptr<const prediction::FrontIndex> frontIndex = nullptr);
 
 /// One frame's answer. Valid until the session's next frame.
 struct FrameResult {
@@ -84,8 +108,8 @@ struct FrameResult {
 class Session {
  public:
   /// Fails (kSettingOutOfRange, kPositionOffNavMesh) when a setting cannot work: an unknown
-  /// controller, limits out of range, a horizon outside (0, 1000] m, or a start more than
-  /// snap.distance beside the navmesh.
+  /// controller, limits out of range, a horizon outside (0, 1000] m, a persistence outside [0, 100]
+  /// m, or a start more than snap.distance beside the navmesh.
   static tl::expected<Session, Error> make(std::shared_ptr<const navmesh::World> world,
                                            SessionSettings settings);
 
@@ -123,7 +147,8 @@ class Session {
   bool teleport(const VirtualStart& to);
 
   /// Goes on in another world, where the user stays at the same place of virtual space: for worlds
-  /// that move (an obstacle came, a door closed). Between frames. Afterwards `next` holds what the
+  /// that move (an obstacle came, a door closed). Between frames; `next` was prepared for the
+  /// session's method. Afterwards `next` holds what the
   /// session has left, for its owner to let go of off the frame; the last FrameResult's graph is
   /// gone.
   ///
@@ -132,6 +157,10 @@ class Session {
   /// where there is none at all, kOffNavMesh. Neither locks nor allocates; costs one location.
   void enter(PreparedWorld& next);
 
+  /// Predicts from now on with other states of the world the session is in; null: all is open.
+  /// Between frames. Afterwards `next` holds those left, for its owner to let go of off the frame.
+  void setStates(std::shared_ptr<const navmesh::PolygonStates>& next);
+
  private:
   Session(std::shared_ptr<const navmesh::World> world, SessionSettings settings,
           std::unique_ptr<Controller> controller);
@@ -139,9 +168,12 @@ class Session {
   std::optional<navmesh::Location> nearestGround(glm::vec3 feet) const;
 
   std::shared_ptr<const navmesh::World> world_;
-  SessionSettings settings_;
+  SessionSettings settings_;  // without frontIndex and states: they are tied to the world
   std::unique_ptr<Controller> controller_;
-  std::unique_ptr<prediction::Scratch> scratch_;
+  std::unique_ptr<prediction::Scratch> scratch_;  // by polygons, else null
+  std::shared_ptr<const prediction::FrontIndex> frontIndex_;
+  std::unique_ptr<prediction::FrontScratch> frontScratch_;  // by fronts, else null
+  std::shared_ptr<const navmesh::PolygonStates> states_;    // null: all is open
   MotionTracker tracker_;
   Redirector redirector_;
   Reset reset_;

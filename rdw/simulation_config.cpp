@@ -432,6 +432,11 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   if (controller < controllers.size()) session.controller = controllers[controller];
   fields.number("horizon_m", 0.1, 1000.0, session.horizon);
   fields.boolean("predict_always", session.alwaysPredict);
+  static constexpr std::string_view kMethods[] = {"polygon", "front"};
+  std::size_t method = static_cast<std::size_t>(session.method);
+  fields.word("method", kMethods, method);
+  session.method = static_cast<prediction::Method>(method);
+  fields.number("persistence_m", 0.0, 100.0, session.front.persistence);
   fields.number("rate_hz", 5.0, 1000.0, simulation.rate);
   fields.integer("seed", 0, ~std::uint64_t{0}, simulation.seed);
   fields.boolean("resets", session.resets);

@@ -9,6 +9,7 @@
 //     "limits": "steinicke",
 //     "controller": "s2c-predictive",
 //     "horizon_m": 10, "rate_hz": 90, "seed": 1, "predict_always": true,
+//     "method": "polygon", "persistence_m": 0.75,
 //     "resets": true,
 //     "reset": {"reaction_s": 0.3, "deceleration_m_per_s2": 3, "clearance_m": 0.2, "warning_s": 1},
 //     "stop": {"virtual_m": 1000, "seconds": 3600},
@@ -25,6 +26,8 @@
 // - space: as in forewalk.space/1, or the name of a file with a tracked space.
 // - limits: the name of a preset, or an object with preset, translation_min, translation_max,
 //   rotation_min, rotation_max, curvature_max_per_m, bending_min, bending_max.
+// - method: how prediction graphs are made, polygon or front (prediction/prediction_graph.h);
+//   persistence_m: graphs by fronts take shorter ways for a part of the one they leave.
 // - user, by kind:
 //     waypoints  "waypoints": [[x, y, z], ...], "loop": false
 //     wander     "goal_distance_min_m": 3

@@ -82,6 +82,11 @@ TEST(Session, RefusesSettingsThatCannotWork) {
     EXPECT_NE(session.error().message.find(saying), std::string::npos) << session.error().message;
   };
   refused(with("s2z"), "s2z");
+  for (float persistence : {-0.1f, 200.0f, kNan}) {
+    SessionSettings settings;
+    settings.front.persistence = persistence;
+    refused(settings, "persistence");
+  }
   for (float horizon : {0.0f, -1.0f, 2000.0f, kNan}) {
     SessionSettings settings;
     settings.horizon = horizon;
@@ -264,6 +269,43 @@ TEST(Session, AllocatesNothingInAFrame) {
     for (int i = 0; i < 60 * 20; ++i) walker.step(session);
     EXPECT_EQ(testing::allocationsSince(), 0u) << controller;
   }
+}
+
+TEST(Session, PredictsByFrontsWhereSetSo) {
+  const auto world = stripWorld({-20, -4, 0, 3, 20}, {0, 0, 0, 0, 0});
+  SessionSettings settings = with("s2c-predictive");
+  settings.method = prediction::Method::kFront;
+  settings.front.persistence = 0.5f;
+  settings.frontIndex = makeFrontIndex(*world);
+  Session shares = made(world, settings);
+  EXPECT_EQ(settings.frontIndex.use_count(), 2);
+  settings.frontIndex = nullptr;
+  Session owns = made(world, settings);
+  const auto index = makeFrontIndex(*world);
+  prediction::FrontScratch scratch(world->graph, *index);
+  StraightWalker walker;
+  for (int i = 0; i < 300; ++i) {
+    const FrameResult& result = walker.step(shares);
+    owns.frame(at(walker.body.position, walker.body.heading), walker.t);
+    const auto& expected =
+        prediction::predictFronts(world->graph, result.location, 10.0f, scratch, {0.5f});
+    ASSERT_EQ(result.graph->method, prediction::Method::kFront);
+    ASSERT_EQ(hashOf(*result.graph), hashOf(expected)) << i;
+    ASSERT_EQ(hashOf(*owns.result().graph), hashOf(expected));
+    ASSERT_EQ(owns.redirection(), shares.redirection());
+  }
+}
+
+TEST(Session, AllocatesNothingInAFrameByFronts) {
+  SessionSettings settings = with("s2c-predictive");
+  settings.method = prediction::Method::kFront;
+  settings.horizon = 12.0f;
+  Session session = made(flatWorld(), settings);
+  StraightWalker walker;
+  for (int i = 0; i < 60 * 20; ++i) walker.step(session);  // buffers grow to what the world needs
+  testing::allocationsSince();
+  for (int i = 0; i < 60 * 20; ++i) walker.step(session);
+  EXPECT_EQ(testing::allocationsSince(), 0u);
 }
 
 TEST(Session, TeleportsOntoTheNavMeshOnly) {

@@ -1,6 +1,7 @@
 // Sessions in worlds that move: another world is entered between two frames.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -218,6 +219,32 @@ TEST(SessionWorld, IsEnteredWithoutAnAllocationAndSoAreTheFramesAfter) {
     for (int i = 0; i < 5; ++i) step();
   }
   EXPECT_EQ(testing::allocationsSince(), 0u);
+}
+
+TEST(SessionWorld, MayChangeWithGraphsByFronts) {
+  LiveMesh mesh = hall();
+  SessionSettings settings;
+  settings.start = VirtualStart{{0.0f, 0.0f, 8.0f}, 0.0f};  // near a wall: the front is no loop
+  settings.controller = "none";
+  settings.method = prediction::Method::kFront;
+  Session session = std::move(*Session::make(mesh.world(), settings));
+  session.frame(head(0.0, 0.0), 0.0);
+  const auto joins = [&] {
+    const auto& nodes = session.result().graph->nodes;
+    return std::count_if(nodes.begin(), nodes.end(), [](const prediction::Node& node) {
+      return node.kind == prediction::NodeKind::kJoin;
+    });
+  };
+  EXPECT_EQ(joins(), 0);
+  const WorldPtr world = with(mesh, {pillar(0.0, 3.0, 1.0)});
+  PreparedWorld next = prepareWorld(world, settings.prediction, settings.method);
+  session.enter(next);
+  session.frame(head(0.0, 0.0), 0.02);
+  EXPECT_EQ(session.result().graph->method, prediction::Method::kFront);
+  EXPECT_EQ(joins(), 1) << "behind the pillar";
+  session.enter(next);
+  session.frame(head(0.0, 0.0), 0.04);
+  EXPECT_EQ(joins(), 0);
 }
 
 }  // namespace

@@ -92,6 +92,8 @@ TEST(ParseSimulation, KeepsDefaultsWhereNothingIsSaid) {
   EXPECT_EQ(file->build, defaults.build);
   EXPECT_EQ(file->simulation.session.controller, defaults.simulation.session.controller);
   EXPECT_EQ(file->simulation.session.limits, defaults.simulation.session.limits);
+  EXPECT_EQ(file->simulation.session.method, prediction::Method::kPolygon);
+  EXPECT_EQ(file->simulation.session.front.persistence, 0.75f);
   EXPECT_EQ(file->simulation.rate, 90.0);
   EXPECT_EQ(file->simulation.seed, 1u);
   EXPECT_FALSE(file->simulation.start.floor);
@@ -111,7 +113,7 @@ TEST(ParseSimulation, ReadsEveryKeyInItsUnit) {
     "space": {"rectangle": [4, 10]},
     "limits": {"preset": "toolkit", "curvature_max_per_m": 0.1},
     "controller": "s2o", "horizon_m": 20, "rate_hz": 60, "seed": 18446744073709551615,
-    "predict_always": false, "resets": false,
+    "predict_always": false, "method": "front", "persistence_m": 1.5, "resets": false,
     "reset": {"reaction_s": 0.1, "deceleration_m_per_s2": 2, "clearance_m": 0.4, "warning_s": 2},
     "stop": {"virtual_m": 1000, "seconds": 3600},
     "user": {"kind": "legs", "leg_min_m": 3, "leg_max_m": 5, "turn_deg": 180, "turn": "uniform",
@@ -137,6 +139,8 @@ TEST(ParseSimulation, ReadsEveryKeyInItsUnit) {
   EXPECT_EQ(s.session.controller, "s2o");
   EXPECT_EQ(s.session.horizon, 20.0f);
   EXPECT_FALSE(s.session.alwaysPredict);
+  EXPECT_EQ(s.session.method, prediction::Method::kFront);
+  EXPECT_EQ(s.session.front.persistence, 1.5f);
   EXPECT_FALSE(s.session.resets);
   EXPECT_EQ(s.session.reset.clearance, 0.4);
   EXPECT_EQ(s.rate, 60.0);
