@@ -83,9 +83,9 @@ int run(int argc, char** argv) {
       "Lengths are metres; positions are x,y,z in metres, y up (as the scene lies after --unit and "
       "--up).\n"
       "Exit status: 0 done, 1 the input was refused, 2 wrong usage.");
-  const Verb verbs[] = {addBuild(program), addPredict(program), addSweep(program),
-                        addSimulate(program), addFit(program), addEvaluate(program),
-                        addAnimate(program), addDemo(program)};
+  const Verb verbs[] = {addBuild(program),    addPredict(program), addSweep(program),
+                        addSimulate(program), addFit(program),     addEvaluate(program),
+                        addAnimate(program),  addDemo(program)};
   try {
     program.parse(argc, argv);
     for (const Verb& verb : verbs) {
