@@ -18,6 +18,8 @@ class CellMeshMaker {
   CellMesh make() {
     for (std::uint32_t p = 0; p < graph_.polygonCount(); ++p) addPolygon(PolygonId{p});
     for (const CellMesh::Edge& edge : mesh_.edges) addLine(edge);
+    chainWalls();
+    fillCorners();
     return std::move(mesh_);
   }
 
@@ -59,7 +61,7 @@ class CellMeshMaker {
 
   void addWall(PolygonId polygon, std::uint32_t from, std::uint32_t to) {
     if (from == to) return;
-    mesh_.corners.push_back({from, static_cast<std::uint32_t>(mesh_.edges.size()), true});
+    addCorner(from, static_cast<std::uint32_t>(mesh_.edges.size()), true);
     mesh_.edges.push_back({from, to, polygon, kNoPolygon});
   }
 
@@ -70,7 +72,27 @@ class CellMeshMaker {
     const std::uint32_t edge = first ? static_cast<std::uint32_t>(mesh_.edges.size()) : twinEdge;
     if (first) mesh_.edges.push_back({pair.right, pair.left, polygon, graph_.portalTo[h]});
     mesh_.edgeOfPortal[h] = edge;
-    mesh_.corners.push_back({pair.right, edge, first});
+    addCorner(pair.right, edge, first);
+  }
+
+  void addCorner(std::uint32_t vertex, std::uint32_t edge, bool forward) {
+    CellMesh::Corner& corner = mesh_.corners.emplace_back();
+    corner.vertex = vertex;
+    corner.edge = edge;
+    corner.forward = forward;
+  }
+
+  /// What corners know of their edges, so that it lies together.
+  void fillCorners() {
+    for (CellMesh::Corner& corner : mesh_.corners) {
+      const CellMesh::Edge& edge = mesh_.edges[corner.edge];
+      const CellMesh::Line& line = mesh_.lines[corner.edge];
+      corner.from = glm::dvec2(mesh_.plan[corner.vertex]);
+      corner.along = corner.forward ? line.along : -line.along;
+      corner.length = line.length;
+      corner.wall = mesh_.wallOfEdge[corner.edge];
+      corner.beyond = corner.forward ? edge.right : edge.left;
+    }
   }
 
   void addLine(const CellMesh::Edge& edge) {
@@ -78,6 +100,21 @@ class CellMeshMaker {
     const glm::dvec2 span = glm::dvec2(mesh_.plan[edge.to]) - from;
     const double length = glm::length(span);
     mesh_.lines.push_back({from, length > 0.0 ? span / length : glm::dvec2(0.0), length});
+  }
+
+  void chainWalls() {
+    mesh_.wallOfEdge.assign(mesh_.edges.size(), kNone);
+    for (std::uint32_t edge = 0; edge < mesh_.edges.size(); ++edge) {
+      if (mesh_.edges[edge].right != kNoPolygon) continue;
+      mesh_.wallOfEdge[edge] = static_cast<std::uint32_t>(mesh_.walls.size());
+      mesh_.walls.push_back({edge, kNone, kNone});
+    }
+    for (std::uint32_t wall = 0; wall < mesh_.walls.size(); ++wall) {
+      const std::uint32_t next =
+          mesh_.wallOfEdge[mesh_.borderAfter(mesh_.walls[wall].edge, [](PolygonId) {})];
+      mesh_.walls[wall].next = next;
+      mesh_.walls[next].previous = wall;
+    }
   }
 
   const NavGraph& graph_;

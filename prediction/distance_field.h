@@ -123,6 +123,14 @@ class DistanceField {
   /// reached.
   float endDistance(std::uint32_t end) const { return static_cast<float>(states_[end].distance); }
 
+  /// The corner before an end on the shortest path to it, an index into corners(), and the polygon
+  /// that this path comes through at last. kNone where the end was not reached.
+  std::uint32_t cornerBeforeEnd(std::uint32_t end) const { return states_[end].root; }
+  PolygonId polygonBeforeEnd(std::uint32_t end) const { return PolygonId{states_[end].polygon}; }
+
+  /// The distance of a corner, an index into corners(), not rounded; metres.
+  double exactDistance(std::uint32_t corner) const { return cornerDistance_[corner]; }
+
  private:
   /// What is known of a portal end. Reset by walking what the last run touched, never cleared.
   struct EndState {

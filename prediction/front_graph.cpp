@@ -67,8 +67,6 @@ class FrontAssembly {
       way.from = arc.from;
       way.to = arc.to;
       way.last = a;
-      way.width = std::min(arc.widthAtStart > 0.0f ? arc.widthAtStart : arc.widthAtEnd,
-                           arc.widthAtEnd > 0.0f ? arc.widthAtEnd : arc.widthAtStart);
       way.gone = arc.to == kNone && arc.front == kNone;
       way.nextOut = std::exchange(scratch_.firstOut_[arc.from], a);
       way.nextIn = arc.to == kNone ? kNone : std::exchange(scratch_.firstIn_[arc.to], a);
@@ -125,6 +123,8 @@ class FrontAssembly {
     return way.to == kNone ? out_.horizon : events_[way.to].distance;
   }
 
+  float widthOf(const Way& way) const { return scratch_.sweep_.widthOf(way.last); }
+
   bool isLeaf(const Way& way) const {
     return way.to == kNone || (outCount(way.to) == 0 && inCount(way.to) == 1);
   }
@@ -138,7 +138,7 @@ class FrontAssembly {
         const Way& way = ways_[w];
         if (endOf(way) >= limit || !(isLeaf(way) || hasTwin(event, w))) return;
         if (shortest == kNone || endOf(way) < endOf(ways_[shortest]) ||
-            (endOf(way) == endOf(ways_[shortest]) && way.width < ways_[shortest].width)) {
+            (endOf(way) == endOf(ways_[shortest]) && widthOf(way) < widthOf(ways_[shortest]))) {
           shortest = w;
         }
       });
@@ -160,7 +160,6 @@ class FrontAssembly {
     Way& way = ways_[in];
     way.to = ways_[out].to;
     way.last = ways_[out].last;
-    way.width = std::min(way.width, ways_[out].width);
     ways_[out].gone = true;
     ways_[out].mergedInto = in;
   }
@@ -211,7 +210,7 @@ class FrontAssembly {
         out_.terminals.push_back(NodeId{id});
         out_.fronts.push_back({event.plan, event.plan, 0.0f});
       }
-      addPathEdge(NodeId{id}, node.prev, arcs_[way.last].corner, EdgeKind::kTree, way.width);
+      addPathEdge(NodeId{id}, node.prev, arcs_[way.last].corner, EdgeKind::kTree, widthOf(way));
     });
   }
 
@@ -224,7 +223,7 @@ class FrontAssembly {
     const NodeId id{static_cast<std::uint32_t>(out_.nodes.size() - 1)};
     out_.terminals.push_back(id);
     out_.fronts.push_back({front.from, front.to, front.length});
-    addPathEdge(id, node.prev, arc.corner, EdgeKind::kTree, way.width);
+    addPathEdge(id, node.prev, arc.corner, EdgeKind::kTree, widthOf(way));
   }
 
   NodeId nodeAt(std::uint32_t event) const {
@@ -293,7 +292,7 @@ class FrontAssembly {
           addMeetingEdge(NodeId{node + seen - 1}, NodeId{node + seen - 2});
         } else {
           addPathEdge(NodeId{node}, nodeAt(way.from), arcs_[way.last].corner, EdgeKind::kLoop,
-                      way.width);
+                      widthOf(way));
         }
       });
     }

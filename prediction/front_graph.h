@@ -50,7 +50,6 @@ class FrontScratch {
   struct Way {
     std::uint32_t from, to;  // events; to: kNone at the horizon
     std::uint32_t last;      // arc at its end
-    float width;
     bool gone;
     std::uint32_t nextOut, nextIn;  // of the same event, or kNone
     std::uint32_t mergedInto;       // itself, unless merged

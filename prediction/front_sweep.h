@@ -3,15 +3,14 @@
 //
 // This is the Reeb graph of the distance, cut at the horizon (Cole-McLaughlin, Edelsbrunner, Harer,
 // Natarajan and Pascucci, "Loops in Reeb graphs of 2-manifolds", 2003; swept by level as Pascucci,
-// Scorzelli, Bremer and Mascarenhas, "Robust on-line computation of Reeb graphs", SIGGRAPH 2007),
-// over the walkable polygons within the horizon with distances interpolated between vertices.
+// Scorzelli, Bremer and Mascarenhas, "Robust on-line computation of Reeb graphs", SIGGRAPH 2007).
 //
-// We depart from them in the cells. A polygon need not be cut into triangles: where the distances
-// along its outline rise from one lowest vertex to one highest, every level crosses it in a single
-// piece, from one side to the other. So outlines get vertices wherever the exact distance
-// (distance_field.h) has a lowest or highest point along an edge, and polygons are cut only from
-// where the front comes in to where it touches the next edges, and, where two fronts meet inside,
-// through the point where they meet first.
+// We depart from them in that no triangles are swept. Distances are exact (distance_field.h), and a
+// piece of the front ends on two walls, so all that can happen to it is known from the walls: where
+// the distance along one is lowest, the front touches it and splits; where it is highest, the two
+// pieces that ran toward each other along it meet, or one piece dies. Apart from that, fronts from
+// two sides may meet in the open. Which piece it is that touches a wall is found by following the
+// front from there to the walls that it ends on (front_trace.h).
 #pragma once
 
 #include <cstdint>
@@ -22,6 +21,9 @@
 #include "navmesh/key_queue.h"
 #include "prediction/cell_mesh.h"
 #include "prediction/distance_field.h"
+#include "prediction/front_trace.h"
+#include "prediction/views.h"
+#include "prediction/wall_profile.h"
 
 namespace forewalk::prediction {
 
@@ -39,8 +41,6 @@ struct FrontArc {
   std::uint32_t from;    ///< event
   std::uint32_t to;      ///< event; kNone: it reaches the horizon
   std::uint32_t corner;  ///< last corner of a shortest path to where it ends, in this piece
-  float widthAtStart;    ///< length of the piece after the first event, metres
-  float widthAtEnd;      ///< and before the last, or at the horizon
   std::uint32_t front;   ///< index into HorizonFronts; kNone where it ends before
 };
 
@@ -60,7 +60,7 @@ class FrontSweep {
              std::uint32_t windows);
 
   /// Follows the front of `field`, just run from `source`, out to `horizon` metres. O(n log n) in
-  /// the vertices of what was reached, and O(cells of a front) an event. Allocates only while the
+  /// the walls of what was reached, and O(length of the front) an event. Allocates only while the
   /// buffers grow to the largest seen.
   void run(const DistanceField& field, const navmesh::Location& source, float horizon);
 
@@ -69,131 +69,72 @@ class FrontSweep {
   std::span<const FrontArc> arcs() const { return arcs_; }
   std::span<const HorizonFront> fronts() const { return fronts_; }
 
+  /// How far apart the walls are between which an arc passes, halfway between the distances where
+  /// it begins and ends, metres. 0: there are none.
+  float widthOf(std::uint32_t arc) const;
+
+  /// Events at which it was not clear which piece of the front they happened to: rounding, or
+  /// exact symmetry. The nearest was taken.
+  std::uint32_t doubts() const { return doubts_; }
+
  private:
-  /// A vertex of what was reached.
-  struct Vertex {
-    glm::vec2 plan;
-    float value;        // exact distance up to the horizon, metres
-    PolygonId polygon;  // one that holds it
-    PolygonId from;  // the front touches an edge here first, coming through this polygon; or none
-    std::uint32_t records;    // the last of its records; they go on by CornerRecord::next
-    std::uint32_t lowerEdge;  // one of those that come up to it, or kNone
-    std::uint8_t passes;      // how often the front passes from lower to upper edges about it
-    bool meeting;             // two fronts meet here on an edge
-    bool forced;              // its cells are no single fan: whatever happens here is an event
-  };
-  /// Distances rise or fall along it.
-  struct Edge {
-    std::uint32_t a, b;        // vertices
-    std::uint32_t records[2];  // where its cells have it as `out`; kNone: a wall
-    std::uint32_t piece;       // of the front that crossed it at the last event there; or kNone
-    PolygonId polygon;
-  };
-  struct Cell {
-    PolygonId polygon;
-    std::uint32_t begin, end;  // its records, counter-clockwise
-  };
-  /// A vertex in one cell, between two edges.
-  struct CornerRecord {
-    std::uint32_t vertex, cell, out;
-    std::uint32_t next;  // another of the vertex, or kNone
-  };
-  /// A window of a polygon, which does not see what lies beyond the edge that it comes in over.
-  struct View {
-    glm::dvec2 root;
-    double distance;  // of the root
-    const Window* window;
-    std::uint32_t edge;  // of the mesh; kNone: it touches the root
-    PolygonId polygon;
-  };
-  /// A view of an edge: where the root's foot is on its line, metres along it, and how far aside.
-  struct Sight {
-    double foot, asideSquared;
-    const View* view;
-  };
-  /// Where the front touches an edge first, metres along it, its distance, and the polygon it comes
-  /// through.
-  struct Foot {
-    double along;
-    double distance;
-    PolygonId front;
-  };
-  struct CycleCorner {
-    std::uint32_t vertex, edge;
-  };
-  /// Vertices in order of distance, ties by number, as one number.
   using Key = navmesh::KeyQueue::Entry;
 
-  void reset();
-  std::uint32_t vertexAt(std::uint32_t meshVertex, PolygonId polygon);
-  std::uint32_t addVertex(glm::vec2 plan, float value, PolygonId polygon);
-  std::uint32_t addEdge(std::uint32_t a, std::uint32_t b, PolygonId polygon);
-  void gatherViews(PolygonId polygon);
-  std::span<const View> viewsOf(PolygonId polygon) const;
-  void cutEdge(std::uint32_t meshEdge);
-  bool findSights(std::uint32_t meshEdge, float valueFrom, float valueTo);
-  void findFeet(const CellMesh::Line& line);
-  static bool sees(const View& view, glm::dvec2 point);
-  double lookAt(const CellMesh::Line& line, double place, const Sight*& nearest) const;
-  static double equallyFar(const Sight& rising, const Sight& falling, double left, double right);
-  double highestBetween(const CellMesh::Line& line, double low, double high) const;
-  void addCells(PolygonId polygon);
-  void addBasin(std::span<const CycleCorner> outline, std::size_t low, PolygonId polygon);
-  void addSourceCells(PolygonId polygon);
-  bool findMeeting(PolygonId polygon, glm::vec2& plan, float& value);
-  void cellOf(std::span<const CycleCorner> outline, PolygonId polygon);
-  bool below(std::uint32_t a, std::uint32_t b) const { return keys_[a] < keys_[b]; }
-
+  /// Where fronts from two sides meet first in the open.
+  struct Meeting {
+    glm::dvec2 place;
+    float value;
+    PolygonId polygon;
+    const View* sides[2];
+  };
+  /// The stretches of wall that an arc ends on, as one looks outward. kNone: it is closed.
+  struct Ends {
+    std::uint32_t left, right;
+  };
+  /// A place at a front, just before something happens there.
+  struct Spot {
+    PolygonId polygon;
+    const View* view;  // null: none known
+    glm::dvec2 at;
+    double level;
+  };
+  void findMeetings(PolygonId polygon);
   void listEvents();
-  bool onBorder(std::uint32_t vertex) const;
-  void listRecords(std::uint32_t vertex);
-  void happen(std::uint32_t vertex);
-  std::uint32_t edgeInto(std::uint32_t record) const;
-  bool isLower(std::uint32_t edge, std::uint32_t vertex) const;
-  std::uint32_t pieceOf(std::uint32_t edge);
-  std::uint32_t across(std::uint32_t record, Key level) const;
-  template <typename Visit>
-  bool follow(std::uint32_t edge, int side, Key level, const Visit& visit) const;
-  template <typename Visit>
-  float measure(std::uint32_t edge, Key level, float distance, const Visit& visit) const;
-  glm::vec2 crossing(std::uint32_t edge, float level) const;
-  glm::vec2 exactCrossing(std::uint32_t edge, float level) const;
-  std::uint32_t cornerToward(std::uint32_t vertex, std::uint32_t edge) const;
+  Spot spotBefore(glm::dvec2 place, float value, PolygonId polygon, const View* view) const;
+  Spot spotAt(const WallProfile::Sample& sample, bool after) const;
+  std::uint32_t arcAt(const Spot& spot, Direction direction);
+  std::uint32_t arcOn(const FrontEnd& end, bool left) const;
+  std::uint32_t closedArc() const;
+
+  void addArc(std::uint32_t from, Ends ends);
+  void endArc(std::uint32_t arc, std::uint32_t corner);
+  std::uint32_t addEvent(glm::dvec2 place, PolygonId polygon, float distance);
+  void touch(const WallProfile::Extreme& low);
+  void close(const WallProfile::Extreme& high);
+  void meet(const Meeting& meeting);
+
   void endAtHorizon();
-  void addFront(std::uint32_t edge, Key level);
+  bool spotOnWall(std::uint32_t stretch, float level, Spot& spot) const;
+  bool startInTheOpen(Spot& spot) const;
+  void addFront(std::uint32_t arc, const Spot& spot);
 
   const navmesh::NavGraph* graph_;
   const PortalEnds* ends_;
   const CellMesh* mesh_;
   const DistanceField* field_ = nullptr;
   float horizon_ = 0.0f;
+  std::uint32_t doubts_ = 0;
 
-  // Per vertex and edge of the mesh: what they became in this run. Reset by walking the touched.
-  std::vector<std::uint32_t> vertexOf_;
-  std::vector<std::uint32_t> firstEdgeOf_, edgeCountOf_;
-  std::vector<std::uint32_t> touchedVertices_, touchedEdges_;
+  Views views_;
+  WallProfile walls_;
+  FrontTrace trace_;
 
-  std::vector<std::uint32_t> viewStart_, viewCount_;  // per polygon; of those reached
-  std::vector<View> views_;
-
-  std::vector<Vertex> vertices_;
-  std::vector<Key> keys_;  // per vertex
-  std::vector<Edge> edges_;
-  std::vector<Cell> cells_;
-  std::vector<CornerRecord> records_;
-  std::vector<Key> order_;            // vertices where something happens
-  std::vector<std::uint32_t> arcOf_;  // per piece
-  std::vector<std::uint8_t> ended_;   // per edge: its piece at the horizon is known
-
-  std::vector<Sight> sights_;
-  double firstFoot_ = 0.0, lastFoot_ = 0.0;  // among the sights
-  std::vector<CycleCorner> cycle_, basin_, outline_, inner_;
-  std::vector<std::size_t> lows_, highs_, others_;
-  std::vector<Foot> feet_;
-  std::vector<std::uint32_t> recordsHere_;
-  std::vector<std::uint32_t> lowerArcs_, lowerEdges_;
-  std::vector<glm::vec2> polyline_;
-  std::vector<PolygonId> polylinePolygons_;
+  std::vector<Meeting> meetings_;
+  std::vector<Key> order_;            // of extremes, then meetings, by number
+  std::vector<std::uint32_t> arcOf_;  // per stretch: the arc that ends there now, or kNone
+  std::vector<Ends> endsOf_;          // per arc
+  std::vector<std::uint32_t> alive_;  // arcs, in no order
+  std::vector<FrontPiece> pieces_;
 
   std::vector<FrontEvent> events_;
   std::vector<FrontArc> arcs_;
