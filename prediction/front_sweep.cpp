@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "navmesh/plan.h"
 
@@ -17,6 +18,52 @@ namespace {
 /// How long before an event the front is followed, as distance; metres. Over it, rounding in what
 /// was measured does not show.
 constexpr double kBefore = 2e-5;
+
+double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+/// One of the two places that are equally far by three roots (the problem of Apollonius), and how
+/// far; false where there is none.
+bool equallyFarFrom(const View* const (&views)[3], double root, dvec2& place, double& level) {
+  // The differences of |place - root|^2 = (level - distance)^2 are linear: place = base + level *
+  // slope.
+  const dvec2 origin = views[0]->root;
+  const double first = views[0]->distance;
+  const dvec2 a = views[1]->root - origin;
+  const dvec2 b = views[2]->root - origin;
+  const double leadA = views[1]->distance - first;
+  const double leadB = views[2]->distance - first;
+  const double area = cross(a, b);
+  if (std::abs(area) < 1e-9) return false;
+  const double squareA = 0.5 * (glm::dot(a, a) - leadA * leadA);
+  const double squareB = 0.5 * (glm::dot(b, b) - leadB * leadB);
+  const auto solve = [&](double x, double y) {
+    return dvec2(x * b.y - y * a.y, y * a.x - x * b.x) / area;
+  };
+  const dvec2 base = solve(squareA, squareB);  // with the level counted from the first root
+  const dvec2 slope = solve(leadA, leadB);
+  const double p = glm::dot(slope, slope) - 1.0;
+  const double q = glm::dot(base, slope);
+  const double r = glm::dot(base, base);
+  const double discriminant = q * q - p * r;
+  if (discriminant < 0.0 || std::abs(p) < 1e-12) return false;
+  const double radius = (-q + root * std::sqrt(discriminant)) / p;
+  if (radius <= 0.0 || radius < leadA || radius < leadB) return false;
+  place = origin + base + radius * slope;
+  level = first + radius;
+  return true;
+}
+
+/// Whether three roots that see a place lie all around it.
+bool isPeak(const View* const (&views)[3], dvec2 place) {
+  const dvec2 a = views[0]->root - place;
+  const dvec2 b = views[1]->root - place;
+  const dvec2 c = views[2]->root - place;
+  const double ab = cross(a, b);
+  const double bc = cross(b, c);
+  const double ca = cross(c, a);
+  return ((ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0)) &&
+         views[0]->sees(place) && views[1]->sees(place) && views[2]->sees(place);
+}
 
 }  // namespace
 
@@ -110,7 +157,7 @@ void FrontSweep::findMeetings(PolygonId polygon) {
         const CellMesh::Line& line = mesh_->lines[corner.edge];
         const dvec2 ray = place - line.from;
         const bool wall = mesh_->wallOfEdge[corner.edge] != kNone;
-        known = known || (wall && std::abs(ray.x * line.along.y - ray.y * line.along.x) < kBeside);
+        known = known || (wall && std::abs(cross(ray, line.along)) < kBeside);
       }
       for (const Meeting& meeting : meetings_) {
         const dvec2 apart = meeting.place - place;
@@ -326,7 +373,7 @@ bool FrontSweep::spotOnWall(std::uint32_t stretch, float level, Spot& spot) cons
     const double radius = spot.level - view.distance;
     if (radius <= 0.0) continue;
     const dvec2 ray = view.root - line.from;
-    const double aside = ray.x * line.along.y - ray.y * line.along.x;
+    const double aside = cross(ray, line.along);
     const double half = radius * radius - aside * aside;
     if (half < 0.0) continue;
     const double foot = glm::dot(ray, line.along);
@@ -381,7 +428,7 @@ bool FrontSweep::startInTheOpen(Spot& spot) const {
       for (const CellMesh::Corner& corner : mesh_->cornersOf(polygon)) {
         const CellMesh::Line& line = mesh_->lines[corner.edge];
         const dvec2 ray = view.root - line.from;
-        const double aside = ray.x * line.along.y - ray.y * line.along.x;
+        const double aside = cross(ray, line.along);
         const double half = radius * radius - aside * aside;
         if (half <= 0.0) continue;
         for (const double side : {-1.0, 1.0}) {
@@ -422,6 +469,51 @@ void FrontSweep::addFront(std::uint32_t arc, const Spot& spot) {
   fronts_.push_back(front);
 }
 
+/// A closed front runs inward until nothing is left: to a place equally far by three roots around
+/// it, the next that lies beyond the arc's beginning.
+void FrontSweep::shrink(std::uint32_t arc) {
+  const FrontEvent& begin = events_[arcs_[arc].from];
+  double nearest = std::numeric_limits<double>::infinity();
+  dvec2 place{0.0};
+  double value = 0.0;
+  PolygonId polygon = kNoPolygon;
+  std::uint32_t corner = 0;
+  for (const PolygonId reached : field_->polygons()) {
+    const std::span<const View> views = views_.of(reached);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      for (std::size_t j = i + 1; j < views.size(); ++j) {
+        for (std::size_t k = j + 1; k < views.size(); ++k) {
+          const View* const three[3] = {&views[i], &views[j], &views[k]};
+          for (const double root : {-1.0, 1.0}) {
+            dvec2 point;
+            double level;
+            if (!equallyFarFrom(three, root, point, level)) continue;
+            const double apart = glm::distance(point, dvec2(begin.plan));
+            if (apart >= nearest || level < static_cast<double>(begin.distance) ||
+                level > static_cast<double>(horizon_) ||
+                !navmesh::contains(*graph_, reached, glm::vec2(point)) || !isPeak(three, point) ||
+                nearestOf(views, point).distance < level - 1e-6) {
+              continue;
+            }
+            nearest = apart;
+            place = point;
+            value = level;
+            polygon = reached;
+            corner = views[i].corner;
+          }
+        }
+      }
+    }
+  }
+  if (polygon == kNoPolygon) {
+    ++doubts_;
+    return;
+  }
+  addEvent(place, polygon, static_cast<float>(value));
+  arcs_[arc].to = static_cast<std::uint32_t>(events_.size() - 1);
+  arcs_[arc].corner = corner;
+}
+
 void FrontSweep::endAtHorizon() {
   std::sort(alive_.begin(), alive_.end());
   for (const std::uint32_t arc : alive_) {
@@ -429,6 +521,8 @@ void FrontSweep::endAtHorizon() {
     const bool closed = endsOf_[arc].left == kNone;
     if (closed ? startInTheOpen(spot) : spotOnWall(endsOf_[arc].left, horizon_, spot)) {
       addFront(arc, spot);
+    } else if (closed) {
+      shrink(arc);
     } else {
       ++doubts_;
     }

@@ -64,7 +64,8 @@ class FrontSweep {
   /// buffers grow to the largest seen.
   void run(const DistanceField& field, const navmesh::Location& source, float horizon);
 
-  /// In order of distance, the source first. These live until the next run.
+  /// The source first, then as they happen; where closed fronts shrink to a point comes last. These
+  /// live until the next run.
   std::span<const FrontEvent> events() const { return events_; }
   std::span<const FrontArc> arcs() const { return arcs_; }
   std::span<const HorizonFront> fronts() const { return fronts_; }
@@ -116,6 +117,7 @@ class FrontSweep {
   void endAtHorizon();
   bool spotOnWall(std::uint32_t stretch, float level, Spot& spot) const;
   bool startInTheOpen(Spot& spot) const;
+  void shrink(std::uint32_t arc);
   void addFront(std::uint32_t arc, const Spot& spot);
 
   const navmesh::NavGraph* graph_;

@@ -50,12 +50,12 @@ void WallProfile::measure(const DistanceField& field, const Views& views, float 
     std::uint32_t known = kNone;  // the end of the last wall, where the next may begin
     float value = 0.0f;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      const std::uint32_t wall = mesh_->wallOfEdge[corners[i].edge];
-      if (wall == kNone) continue;
-      const float from = corners[i].vertex == known ? value : valueAt(corners[i].vertex, polygon);
+      const CellMesh::Corner& corner = corners[i];
+      if (corner.wall == kNone) continue;
+      const float from = corner.vertex == known ? value : valueAt(corner.vertex, polygon);
       known = corners[i + 1 < corners.size() ? i + 1 : 0].vertex;
       value = valueAt(known, polygon);
-      addWall(wall, polygon, from, value);
+      addWall(corner, polygon, from, value);
     }
   }
   link();
@@ -78,7 +78,7 @@ void WallProfile::addSample(std::uint32_t wall, double along, float value, const
 
 /// Finds who sees a wall and may be nearest to some of it. False if distances rise or fall all
 /// along it, whoever is nearest where: then nothing more need be known.
-bool WallProfile::findSights(const CellMesh::Line& line, std::span<const View> views, float from,
+bool WallProfile::findSights(const CellMesh::Corner& line, std::span<const View> views, float from,
                              float to) {
   double first = line.length;
   double last = 0.0;
@@ -112,7 +112,8 @@ bool WallProfile::findSights(const CellMesh::Line& line, std::span<const View> v
 }
 
 /// The length of the shortest way to a place of the wall whose sights are at hand.
-double WallProfile::lookAt(const CellMesh::Line& line, double place, const Sight*& nearest) const {
+double WallProfile::lookAt(const CellMesh::Corner& line, double place,
+                           const Sight*& nearest) const {
   double best = std::numeric_limits<double>::infinity();
   const dvec2 point = line.from + place * line.along;
   for (const Sight& sight : sights_) {
@@ -147,7 +148,7 @@ double WallProfile::equallyFar(const Sight& rising, const Sight& falling, double
 
 /// Where the distance is highest between two places of a wall, metres along it, if it rises at the
 /// first and falls at the second; else 0. Also by whom it rises and falls there.
-double WallProfile::highestBetween(const CellMesh::Line& line, double low, double high,
+double WallProfile::highestBetween(const CellMesh::Corner& line, double low, double high,
                                    const Sight*& rising, const Sight*& falling) const {
   const double inward = std::min(kApart, 0.25 * (high - low));
   double left = low + inward;
@@ -198,7 +199,7 @@ double WallProfile::highestBetween(const CellMesh::Line& line, double low, doubl
 }
 
 /// Finds where the front touches the wall whose sights are at hand.
-void WallProfile::findFeet(const CellMesh::Line& line) {
+void WallProfile::findFeet(const CellMesh::Corner& line) {
   feet_.clear();
   for (const Sight& sight : sights_) {
     if (sight.foot < kApart || sight.foot > line.length - kApart) continue;
@@ -222,11 +223,11 @@ void WallProfile::findFeet(const CellMesh::Line& line) {
 }
 
 /// Adds the samples of a wall: its beginning, and where the distance along it is lowest or highest.
-void WallProfile::addWall(std::uint32_t wall, PolygonId polygon, float from, float to) {
+void WallProfile::addWall(const CellMesh::Corner& line, PolygonId polygon, float from, float to) {
+  const std::uint32_t wall = line.wall;
   firstOf_[wall] = static_cast<std::uint32_t>(samples_.size());
   touched_.push_back(wall);
   addSample(wall, 0.0, from, nullptr, nullptr);
-  const CellMesh::Line& line = mesh_->lines[mesh_->walls[wall].edge];
   if (!findSights(line, views_->of(polygon), from, to)) return;
   findFeet(line);
   const bool oneRoot = std::all_of(sights_.begin(), sights_.end(), [&](const Sight& sight) {

@@ -90,14 +90,14 @@ class WallProfile {
 
   void reset();
   float valueAt(std::uint32_t vertex, PolygonId polygon);
-  void addWall(std::uint32_t wall, PolygonId polygon, float from, float to);
+  void addWall(const CellMesh::Corner& line, PolygonId polygon, float from, float to);
   void addSample(std::uint32_t wall, double along, float value, const View* before,
                  const View* after);
-  bool findSights(const CellMesh::Line& line, std::span<const View> views, float from, float to);
-  void findFeet(const CellMesh::Line& line);
-  double lookAt(const CellMesh::Line& line, double place, const Sight*& nearest) const;
+  bool findSights(const CellMesh::Corner& line, std::span<const View> views, float from, float to);
+  void findFeet(const CellMesh::Corner& line);
+  double lookAt(const CellMesh::Corner& line, double place, const Sight*& nearest) const;
   static double equallyFar(const Sight& rising, const Sight& falling, double left, double right);
-  double highestBetween(const CellMesh::Line& line, double low, double high, const Sight*& rising,
+  double highestBetween(const CellMesh::Corner& line, double low, double high, const Sight*& rising,
                         const Sight*& falling) const;
   void link();
   void findExtremes();
