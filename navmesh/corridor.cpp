@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "navmesh/plan.h"
+
 namespace forewalk::navmesh {
 
 bool findCorridor(const NavGraph& graph, const Location& from, const Location& to,
@@ -69,6 +71,87 @@ bool findCorridor(const NavGraph& graph, const Location& from, const Location& t
     }
   }
   return false;
+}
+
+namespace {
+
+constexpr float kBeside = 1e-3f;  // how far a path may pass beside, metres
+
+/// Whether somebody at `corner`, on the outline of a polygon, who walks toward `goal` walks into
+/// it.
+bool headsInto(const NavGraph& graph, PolygonId polygon, glm::vec2 corner, glm::vec2 goal) {
+  const std::span<const glm::vec2> ring = graph.ringOf(polygon);
+  glm::vec2 from = ring.back();
+  for (const glm::vec2 to : ring) {
+    const glm::vec2 edge = to - from;
+    const float length = glm::length(edge);
+    const float along = glm::dot(corner - from, edge) / length;
+    const bool touches = std::abs(cross(edge, corner - from)) < kBeside * length &&
+                         along > -kBeside && along < length + kBeside;
+    if (touches && cross(edge, goal - from) < -kBeside * length) return false;
+    from = to;
+  }
+  return true;
+}
+
+/// Goes round `corner`, kept on the left (or right), up to the polygon that somebody who goes on to
+/// `goal` walks into. Appends the half-portals crossed.
+PolygonId goRound(const NavGraph& graph, PolygonId polygon, glm::vec2 corner, glm::vec2 goal,
+                  bool onLeft, std::vector<std::uint32_t>& corridor) {
+  for (std::uint32_t steps = 0; steps < graph.polygonCount(); ++steps) {
+    if (headsInto(graph, polygon, corner, goal)) break;
+    const std::uint32_t end = graph.portalStart[index(polygon) + 1];
+    std::uint32_t h = graph.portalStart[index(polygon)];
+    for (; h < end; ++h) {
+      const glm::vec2 inner = onLeft ? graph.portals[h].left : graph.portals[h].right;
+      if (glm::distance(inner, corner) < kBeside) break;
+    }
+    if (h == end) break;
+    corridor.push_back(h);
+    polygon = graph.portalTo[h];
+  }
+  return polygon;
+}
+
+}  // namespace
+
+bool corridorAlong(const NavGraph& graph, PolygonId first, std::span<const glm::vec2> path,
+                   std::vector<std::uint32_t>& corridor) {
+  corridor.clear();
+  PolygonId polygon = first;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const glm::vec2 goal = path[i];
+    const glm::vec2 walk = goal - path[i - 1];
+    const float length = glm::length(walk);
+    if (i > 1) {
+      const bool left = turn(path[i - 2], path[i - 1], goal) > 0.0f;
+      polygon = goRound(graph, polygon, path[i - 1], goal, left, corridor);
+    }
+    // No straight walk crosses a polygon twice, but it may graze many about one corner.
+    for (std::uint32_t steps = 0; !contains(graph, polygon, goal, kBeside); ++steps) {
+      if (steps > graph.polygonCount()) return false;
+      std::uint32_t best = graph.portalCount();
+      float bestBeside = kBeside;
+      const std::uint32_t end = graph.portalStart[index(polygon) + 1];
+      for (std::uint32_t h = graph.portalStart[index(polygon)]; h < end; ++h) {
+        if (!corridor.empty() && h == graph.portalTwin[corridor.back()]) continue;
+        const Portal& portal = graph.portals[h];
+        if (turn(portal.right, portal.left, goal) > 0.0f) continue;  // not beyond it
+        // How far beside the portal the walk passes.
+        const float left = cross(walk, portal.left - path[i - 1]) / length;
+        const float right = cross(walk, portal.right - path[i - 1]) / length;
+        const float beside = std::max({0.0f, -left, right});
+        if (beside < bestBeside) {
+          bestBeside = beside;
+          best = h;
+        }
+      }
+      if (best == graph.portalCount()) return false;
+      corridor.push_back(best);
+      polygon = graph.portalTo[best];
+    }
+  }
+  return true;
 }
 
 }  // namespace forewalk::navmesh

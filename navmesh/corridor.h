@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "navmesh/locate.h"
@@ -51,5 +53,14 @@ class CorridorScratch {
 /// has to grow.
 bool findCorridor(const NavGraph& graph, const Location& from, const Location& to,
                   CorridorScratch& scratch, std::vector<std::uint32_t>& corridor);
+
+/// Replaces `corridor` with the half-portals that `path` crosses, in walking order: a path on the
+/// walkable area that begins in polygon `first` and bends at ends of portals, as taut paths do.
+/// Points may lie a millimetre beside.
+///
+/// False, with those found so far, where the path leaves the walkable area. O(half-portals of the
+/// polygons crossed); allocates only where `corridor` has to grow.
+bool corridorAlong(const NavGraph& graph, PolygonId first, std::span<const glm::vec2> path,
+                   std::vector<std::uint32_t>& corridor);
 
 }  // namespace forewalk::navmesh

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "navmesh/corridor.h"
 #include "navmesh/funnel.h"
 #include "navmesh/plan.h"
 
@@ -172,7 +173,7 @@ void wayTo(const PredictionGraph& graph, NodeId id, std::vector<glm::vec3>& way)
   std::reverse(way.begin(), way.end());
 }
 
-/// Without a corridor: straight in height, too, from node to node.
+/// Where no corridor is known: straight in height, too, from node to node.
 static void liftBetweenNodes(const PredictionGraph& graph, const Edge& edge,
                              std::vector<glm::vec3>& lifted) {
   const float from = graph.node(edge.from).height;
@@ -192,14 +193,15 @@ void liftEdge(const navmesh::NavGraph& navGraph, const PredictionGraph& graph, c
               std::vector<std::uint32_t>& portals, std::vector<glm::vec3>& lifted) {
   const std::span<const PolygonId> polygons = graph.corridorOf(edge);
   portals.clear();
-  if (polygons.empty()) {
+  const PolygonId first = polygons.empty() ? graph.node(edge.from).polygon : polygons.front();
+  if (polygons.empty() &&
+      !navmesh::corridorAlong(navGraph, first, graph.pathOf(edge), portals)) {
     liftBetweenNodes(graph, edge, lifted);
     return;
   }
   for (std::size_t i = 0; i + 1 < polygons.size(); ++i)
     portals.push_back(portalBetween(navGraph, polygons[i], polygons[i + 1]));
-  navmesh::liftPath(navGraph, polygons.front(), portals, graph.pathOf(edge), kLiftTolerance,
-                    lifted);
+  navmesh::liftPath(navGraph, first, portals, graph.pathOf(edge), kLiftTolerance, lifted);
 }
 
 std::uint64_t hashOf(const PredictionGraph& graph) {

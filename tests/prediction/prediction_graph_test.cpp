@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "navmesh/plan.h"
+#include "prediction/front_graph.h"
 #include "prediction/predict.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/random_start.h"
@@ -154,6 +155,37 @@ TEST(PredictionGraph, LiftsEveryEdgeOntoTheGround) {
     }
   }
   EXPECT_GT(bends, 1000u);
+}
+
+TEST(PredictionGraph, LiftsEdgesOfFrontsThroughThePolygonsUnderTheirPath) {
+  testing::RandomMeshOptions rough;
+  rough.heights = 0.6f;
+  rough.holeShare = 0.15;
+  const NavGraph graph = *navmesh::makeNavGraph(testing::randomMesh(7, 12, 12, rough));
+  const FrontIndex index = makeFrontIndex(graph);
+  FrontScratch scratch(graph, index);
+  std::vector<std::uint32_t> portals;
+  std::vector<glm::vec3> lifted;
+  std::vector<PolygonId> corridor;
+  std::size_t edges = 0;
+  float worst = 0.0f;
+  for (const navmesh::Location& start : testing::randomStarts(graph, 60, 7)) {
+    const PredictionGraph& found = predictFronts(graph, start, 8.0f, scratch, {0.2f});
+    for (const Edge& edge : found.edges) {
+      liftEdge(graph, found, edge, portals, lifted);
+      corridor.assign(1, found.node(edge.from).polygon);
+      for (const std::uint32_t portal : portals) corridor.push_back(graph.portalTo[portal]);
+      for (std::size_t i = 1; i < lifted.size(); ++i) {
+        for (float share = 0.0f; share <= 1.0f; share += 0.125f) {
+          const glm::vec3 point = glm::mix(lifted[i - 1], lifted[i], share);
+          worst = std::max(worst, offTheGround(graph, corridor, point));
+        }
+      }
+      ++edges;
+    }
+  }
+  EXPECT_GT(edges, 300u);
+  EXPECT_LT(worst, 0.04f);
 }
 
 TEST(PredictionGraph, LiftsEdgesThroughWhicheverDoorJoinsTwoFloors) {
