@@ -12,6 +12,7 @@
 #include "bench/worlds.h"
 #include "navmesh/random.h"
 #include "prediction/front_graph.h"
+#include "prediction/likelihood.h"
 #include "prediction/predict.h"
 #include "tests/support/random_start.h"
 
@@ -117,6 +118,47 @@ void walk(const navmesh::NavGraph& graph, const navmesh::LocationIndex& location
   wayTo(ways, ways.terminals[navmesh::uniformInt(rng, count)], walker.way);
 }
 
+/// What a frame costs somebody who walks: the graph, and all that is told of its ways (names and
+/// likelihoods), beside the paper's graph, frame by frame in turns.
+void measureWalks(const World& world, float horizon) {
+  constexpr int kWalkers = 40;
+  constexpr int kFrames = 270;
+  constexpr float kStep = 1.3f / 90.0f;  // metres a frame
+  const prediction::FrontIndex index = prediction::makeFrontIndex(world.graph);
+  const navmesh::LocationIndex locations = navmesh::makeLocationIndex(world.graph);
+  prediction::FrontScratch front(world.graph, index, {1u << 16});
+  prediction::Scratch polygon(world.graph, {.polygons = world.graph.polygonCount()});
+  std::vector<double> graphs, names, wholes, polygons;
+  std::mt19937_64 rng(4);
+  std::uint64_t hash = 14695981039346656037ull;
+  const auto since = [](Clock::time_point begin) {
+    return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+  };
+  for (const navmesh::Location& place : testing::randomStarts(world.graph, kWalkers, 4)) {
+    Walker walker{place, {}, 1};
+    prediction::WayLikelihood likelihood;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      auto begin = Clock::now();
+      predict(world.graph, walker.at, horizon, polygon);
+      polygons.push_back(since(begin));
+      begin = Clock::now();
+      const auto& ways = predictFronts(world.graph, walker.at, horizon, front);
+      graphs.push_back(since(begin));
+      begin = Clock::now();
+      likelihood.update(ways, {.seconds = 1.0 / 90.0, .head = {}, .gaze = {}});
+      names.push_back(since(begin));
+      wholes.push_back(graphs.back() + names.back());
+      hash = (hash ^ prediction::hashOf(ways)) * 1099511628211ull;
+      walk(world.graph, locations, ways, kStep, rng, walker);
+    }
+  }
+  fmt::print("{:<13} {:>4.0f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>6.2f} {:016x}\n",
+             world.name, horizon, medianOf(graphs), medianOf(names), medianOf(wholes),
+             quantileOf(wholes, 0.99), medianOf(polygons), medianOf(wholes) / medianOf(polygons),
+             hash);
+  std::fflush(stdout);
+}
+
 /// A thousand users in one world on one core, ten times a second.
 void measureCrowd(const World& world, float horizon, std::uint32_t windows) {
   constexpr int kUsers = 1000;
@@ -184,6 +226,11 @@ int main(int argc, char** argv) {
   }
   for (const World& world : worlds) {
     if (passes > 0 && wanted(world)) measureCost(world, horizons, starts, passes);
+  }
+  fmt::print("\n{:<13} {:>4} {:>9} {:>9} {:>9} {:>9} {:>9} {:>6} {}\n", "on a walk", "d, m",
+             "front us", "names us", "both us", "99th us", "polyg. us", "ratio", "hash");
+  for (const World& world : worlds) {
+    if (wanted(world)) measureWalks(world, 20.0f);
   }
   if (windows == 0) return 0;
   fmt::print("\n{:<13} {:>4} {:>7} {:>9} {:>9} {:>13} {:>13} {:>9} {:>8}\n", "scene", "d, m",
