@@ -447,18 +447,20 @@ void FrontSweep::addFront(std::uint32_t arc, const Spot& spot) {
   pieces_.clear();
   const FrontEnd end = trace_.follow(spot.polygon, *spot.view, spot.at, spot.level,
                                      Direction::kRightwards, &pieces_);
+  double length = 0.0;
+  for (const FrontPiece& piece : pieces_) length += piece.length;
   HorizonFront front{glm::vec2(spot.at), glm::vec2(spot.at), glm::vec2(spot.at), spot.polygon,
-                     static_cast<float>(end.length)};
+                     static_cast<float>(length)};
   arcs_[arc].corner = spot.view->corner;
   if (!pieces_.empty() && end.how != FrontEnd::How::kClosed) {
     front.to = glm::vec2(pieces_.back().to);
     double before = 0.0;
     for (const FrontPiece& piece : pieces_) {
-      if (before + piece.length < 0.5 * end.length && &piece != &pieces_.back()) {
+      if (before + piece.length < 0.5 * length && &piece != &pieces_.back()) {
         before += piece.length;
         continue;
       }
-      const double share = piece.length > 0.0 ? (0.5 * end.length - before) / piece.length : 0.0;
+      const double share = piece.length > 0.0 ? (0.5 * length - before) / piece.length : 0.0;
       front.crossing = glm::vec2(pointOn(piece, std::clamp(share, 0.0, 1.0)));
       front.polygon = piece.polygon;
       arcs_[arc].corner = piece.view->corner;

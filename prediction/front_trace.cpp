@@ -173,7 +173,7 @@ FrontEnd FrontTrace::follow(PolygonId polygon, const View& startView, dvec2 at, 
   const View* view = &startView;
   const dvec2 begin = at;
   const PolygonId beginPolygon = polygon;
-  FrontEnd end{FrontEnd::How::kLost, kNone, 0.0, 0.0};
+  FrontEnd end{FrontEnd::How::kLost, kNone, 0.0};
   for (int count = 0; count < kMostPieces; ++count) {
     const Arc arc{view->root, at - view->root, level - view->distance, turn};
     const std::span<const View> views = views_->of(polygon);
@@ -192,14 +192,13 @@ FrontEnd FrontTrace::follow(PolygonId polygon, const View& startView, dvec2 at, 
                   arc.progress(begin) <= arc.progress(stop.place))) {
       const double length = whole ? kTurn * arc.radius : arc.lengthTo(begin);
       if (pieces != nullptr) pieces->push_back({polygon, view, at, begin, length});
-      end.length += length;
       end.how = FrontEnd::How::kClosed;
       return end;
     }
 
-    const double length = arc.lengthTo(stop.place);
-    end.length += length;
-    if (pieces != nullptr) pieces->push_back({polygon, view, at, stop.place, length});
+    if (pieces != nullptr) {
+      pieces->push_back({polygon, view, at, stop.place, arc.lengthTo(stop.place)});
+    }
     at = stop.place;
     if (byRay) {
       const View* before = view;

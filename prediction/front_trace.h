@@ -38,7 +38,6 @@ struct FrontEnd {
   How how;
   std::uint32_t wall;  ///< (cell_mesh.h), and
   double along;        ///< where on it, metres from its beginning
-  double length;       ///< of what was followed, metres
 };
 
 class FrontTrace {
