@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "navmesh/graph_rows.h"
 #include "navmesh/plan.h"
 
 namespace forewalk::navmesh {
@@ -32,8 +33,6 @@ struct HalfPortal {
   Portal ends;
   PortalHeights heights;
 };
-
-glm::vec2 midpoint(const Portal& portal) { return 0.5f * (portal.left + portal.right); }
 
 class PortalFinder {
  public:
@@ -121,9 +120,8 @@ class PortalFinder {
   void addHalf(Side side, std::uint32_t to, glm::vec3 left, glm::vec3 right) {
     const Portal ends{toPlan(left), toPlan(right)};
     const glm::vec2 begin = toPlan(mesh_.vertices[vertexAt(side, 0)]);
-    const glm::vec2 edge = toPlan(mesh_.vertices[vertexAt(side, 1)]) - begin;
-    const float length = glm::length(edge);
-    const float along = length > 0.0f ? glm::dot(midpoint(ends) - begin, edge) / length : 0.0f;
+    const glm::vec2 end = toPlan(mesh_.vertices[vertexAt(side, 1)]);
+    const float along = alongEdge(begin, end, ends);
     halves_.push_back({side.polygon, to, side.edge, along, count_, ends, {left.y, right.y}});
   }
 
@@ -142,7 +140,7 @@ void placePortals(const std::vector<HalfPortal>& halves, std::uint32_t polygons,
     ++graph.portalStart[half.from + 1];
     graph.portalTo.push_back(PolygonId{half.to});
     graph.portals.push_back(half.ends);
-    graph.portalMidpoint.push_back(midpoint(half.ends));
+    graph.portalMidpoint.push_back(midpointOf(half.ends));
     graph.portalEdge.push_back(half.edge);
     graph.portalHeights.push_back(half.heights);
     graph.portalToCentroid.push_back(
@@ -171,26 +169,29 @@ tl::expected<void, Error> placeSuccessors(NavGraph& graph) {
                   "be kept. Build it with fewer portals a polygon.",
                   total, kSuccessorLimit)});
   }
-  graph.successorLength.reserve(total);
+  graph.successorStart.resize(graph.portalCount());
+  graph.successorLength.resize(total);
+  std::uint32_t at = 0;
   for (std::uint32_t h = 0; h < graph.portalCount(); ++h) {
     const std::uint32_t to = index(graph.portalTo[h]);
-    graph.successorStart.push_back(static_cast<std::uint32_t>(graph.successorLength.size()));
+    const glm::vec2 from = graph.portalMidpoint[h];
+    graph.successorStart[h] = at;
     for (std::uint32_t next = graph.portalStart[to]; next < graph.portalStart[to + 1]; ++next) {
-      graph.successorLength.push_back(
-          glm::distance(graph.portalMidpoint[h], graph.portalMidpoint[next]));
+      graph.successorLength[at++] = glm::distance(from, graph.portalMidpoint[next]);
     }
   }
   return {};
 }
 
 void countNeighbours(NavGraph& graph) {
+  graph.neighbourCount.resize(graph.polygonCount());
   std::vector<PolygonId> row;
   for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
     row.assign(graph.portalTo.begin() + graph.portalStart[p],
                graph.portalTo.begin() + graph.portalStart[p + 1]);
     std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-    graph.neighbourCount.push_back(static_cast<std::uint32_t>(row.size()));
+    const auto end = std::unique(row.begin(), row.end());
+    graph.neighbourCount[p] = static_cast<std::uint32_t>(end - row.begin());
   }
 }
 
@@ -356,11 +357,16 @@ tl::expected<NavGraph, Error> makeNavGraph(const PolygonMesh& mesh) {
   auto halves = PortalFinder(mesh).find();
   if (!halves) return tl::unexpected(halves.error());
   placePortals(*halves, polygons, graph);
-  if (auto placed = placeSuccessors(graph); !placed) return tl::unexpected(placed.error());
+  if (auto completed = completeRows(graph); !completed) return tl::unexpected(completed.error());
+  return graph;
+}
+
+tl::expected<void, Error> completeRows(NavGraph& graph) {
+  if (auto placed = placeSuccessors(graph); !placed) return placed;
   countNeighbours(graph);
   labelComponents(graph);
   graph.chains = findChains(graph);
-  return graph;
+  return {};
 }
 
 float heightAt(const NavGraph& graph, PolygonId polygon, glm::vec2 plan) {

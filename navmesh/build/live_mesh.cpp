@@ -1,6 +1,7 @@
 #include "navmesh/build/live_mesh.h"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -14,14 +15,20 @@ tl::expected<LiveMesh, Error> LiveMesh::make(Scene scene, const BuildSettings& s
   auto source = TileSource::make(std::move(scene), settings, outlines, run);
   if (!source) return tl::unexpected(source.error());
   LiveMesh mesh(std::move(*source));
-  mesh.tiles_ = mesh.source_.takeTiles();
-  std::vector<const DetourTile*> tiles;
-  for (const DetourTile& tile : mesh.tiles_) tiles.push_back(&tile);
-  auto world = assemble(mesh.source_, tiles);
+  const std::vector<DetourTile> tiles = mesh.source_.takeTiles();
+  std::vector<std::uint32_t> numbers(tiles.size());
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  mesh.join_.replace(numbers, tiles);
+  auto world = mesh.worldOf(mesh.join_);
   if (!world) return tl::unexpected(world.error());
   mesh.world_ = std::move(*world);
   return mesh;
 }
+
+LiveMesh::LiveMesh(TileSource source)
+    : source_(std::move(source)),
+      join_(source_.columnCount(), source_.tileCount() / source_.columnCount(),
+            source_.settings()) {}
 
 tl::expected<LiveUpdate, Error> LiveMesh::apply(std::span<const ObstacleChange> changes,
                                                 const BuildRun& run) {
@@ -65,33 +72,33 @@ tl::expected<LiveUpdate, Error> LiveMesh::apply(std::span<const ObstacleChange> 
   } else {
     for (std::size_t i = 0; i < numbers.size(); ++i) work(i);
   }
-  std::vector<const DetourTile*> tiles;
-  for (const DetourTile& tile : tiles_) tiles.push_back(&tile);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (!built[i]) return tl::unexpected(built[i].error());
-    tiles[numbers[i]] = &*built[i];
+  std::vector<DetourTile> tiles;
+  for (auto& tile : built) {
+    if (!tile) return tl::unexpected(tile.error());
+    tiles.push_back(std::move(*tile));
   }
-  auto world = assemble(source_, tiles);
+  TileJoin join = join_;
+  join.replace(numbers, tiles);
+  auto world = worldOf(join);
   if (!world) return tl::unexpected(world.error());
   // Nothing fails from here on.
-  for (std::size_t i = 0; i < numbers.size(); ++i) tiles_[numbers[i]].swap(*built[i]);
+  join_ = std::move(join);
   placed_.swap(placed);
   world_ = std::move(*world);
   return LiveUpdate{world_, static_cast<std::uint32_t>(numbers.size())};
 }
 
-tl::expected<std::shared_ptr<const World>, Error> LiveMesh::assemble(
-    const TileSource& source, std::span<const DetourTile* const> tiles) {
-  std::vector<DetourTile> withGround;
-  for (const DetourTile* tile : tiles) {
-    if (!tile->empty()) withGround.push_back(*tile);
+tl::expected<std::shared_ptr<const World>, Error> LiveMesh::worldOf(const TileJoin& join) const {
+  std::optional<NavGraph> joined = join.join();
+  if (!joined) {  // the long way, which knows what to say
+    const auto polygons =
+        polygonsFromTiles(join.tilesWithGround(), settings().climb, source_.name());
+    if (!polygons) return tl::unexpected(polygons.error());
+    auto graph = makeNavGraph(*polygons);
+    if (!graph) return tl::unexpected(graph.error());
+    joined = std::move(*graph);
   }
-  if (withGround.empty()) return std::make_shared<const World>(makeWorld(NavGraph{}));
-  const auto polygons = polygonsFromTiles(withGround, source.settings().climb, source.name());
-  if (!polygons) return tl::unexpected(polygons.error());
-  auto graph = makeNavGraph(*polygons);
-  if (!graph) return tl::unexpected(graph.error());
-  return std::make_shared<const World>(makeWorld(std::move(*graph)));
+  return std::make_shared<const World>(makeWorld(std::move(*joined)));
 }
 
 }  // namespace forewalk::navmesh

@@ -66,6 +66,9 @@ tl::expected<TileSource, Error> TileSource::make(Scene scene, const BuildSetting
 }
 
 std::size_t TileSource::tileCount() const { return state_->builder.tileCount(); }
+std::size_t TileSource::columnCount() const {
+  return static_cast<std::size_t>(state_->grid.tilesX);
+}
 const BuildSettings& TileSource::settings() const { return state_->settings; }
 const std::string& TileSource::name() const { return state_->scene.name; }
 std::vector<DetourTile> TileSource::takeTiles() { return std::exchange(state_->tiles, {}); }

@@ -38,7 +38,8 @@ class TileSource {
   TileSource& operator=(TileSource&&) noexcept;
   ~TileSource();
 
-  std::size_t tileCount() const;  ///< row by row, those without ground too
+  std::size_t tileCount() const;    ///< row by row, those without ground too
+  std::size_t columnCount() const;  ///< tiles in a row
   const BuildSettings& settings() const;
   const std::string& name() const;  ///< of the scene
 

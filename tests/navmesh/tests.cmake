@@ -14,5 +14,6 @@ forewalk_test(navmesh/detour_tiles_test.cpp LIBS forewalk::navmesh_build Recast:
 forewalk_test(navmesh/navmesh_readme_test.cpp LIBS forewalk::navmesh)
 forewalk_test(navmesh/obstacle_test.cpp LIBS forewalk::navmesh_build)
 forewalk_test(navmesh/carve_test.cpp LIBS forewalk::navmesh_build Recast::Recast)
+forewalk_test(navmesh/tile_join_test.cpp LIBS forewalk::navmesh_build)
 forewalk_test(navmesh/live_mesh_test.cpp LIBS forewalk::navmesh_build)
 forewalk_test(navmesh/polygon_states_test.cpp LIBS forewalk::navmesh)
