@@ -13,8 +13,8 @@ class ChainFinder {
  public:
   /// An empty `cost` is 1 everywhere.
   ChainFinder(const NavGraph& graph, std::span<const float> cost,
-              std::span<const std::uint32_t> openNeighbours)
-      : graph_(graph), cost_(cost), neighbourCount_(openNeighbours) {}
+              std::span<const std::uint32_t> openNeighbours, std::span<const char> apart)
+      : graph_(graph), cost_(cost), neighbourCount_(openNeighbours), apart_(apart) {}
 
   Chains find() {
     chains_.enteredBy.assign(graph_.portalCount(), kNoChain);
@@ -45,6 +45,7 @@ class ChainFinder {
   }
   bool belongs(std::uint32_t polygon) const {
     if (!cost_.empty() && cost_[polygon] != 1.0f) return false;
+    if (!apart_.empty() && apart_[polygon] != 0) return false;
     return waysOf(polygon) == 1 || passesThrough(polygon);
   }
 
@@ -118,6 +119,7 @@ class ChainFinder {
   const NavGraph& graph_;
   std::span<const float> cost_;
   std::span<const std::uint32_t> neighbourCount_;
+  std::span<const char> apart_;
   Chains chains_;
   PolygonId deadEnd_ = kNoPolygon;   // of the latest chain that has one
   std::vector<std::uint32_t> walk_;  // half-portals into the polygons of the chain at hand
@@ -126,12 +128,12 @@ class ChainFinder {
 }  // namespace
 
 Chains findChains(const NavGraph& graph) {
-  return ChainFinder(graph, {}, graph.neighbourCount).find();
+  return ChainFinder(graph, {}, graph.neighbourCount, {}).find();
 }
 
 Chains findChains(const NavGraph& graph, std::span<const float> cost,
-                  std::span<const std::uint32_t> openNeighbours) {
-  return ChainFinder(graph, cost, openNeighbours).find();
+                  std::span<const std::uint32_t> openNeighbours, std::span<const char> apart) {
+  return ChainFinder(graph, cost, openNeighbours, apart).find();
 }
 
 }  // namespace forewalk::navmesh

@@ -66,8 +66,9 @@ struct Chains {
 Chains findChains(const NavGraph& graph);
 
 /// The same where polygons are closed or cost more (PolygonStates, whose two arrays these are):
-/// what is closed counts as if it were not there, and what costs more than 1 belongs to no chain.
+/// what is closed counts as if it were not there, and what costs more than 1 belongs to no chain,
+/// nor does what is `apart` (per polygon; empty: none).
 Chains findChains(const NavGraph& graph, std::span<const float> cost,
-                  std::span<const std::uint32_t> openNeighbours);
+                  std::span<const std::uint32_t> openNeighbours, std::span<const char> apart = {});
 
 }  // namespace forewalk::navmesh

@@ -51,8 +51,8 @@ class Lifter {
       : graph_(graph), path_(path), tolerance_(tolerance), lifted_(lifted) {}
 
   void lift(PolygonId first, std::span<const std::uint32_t> corridor) {
-    lifted_.clear();
     if (path_.empty()) return;
+    anchor_ = lifted_.size();
     lifted_.push_back(toSpace(path_[0], heightAt(graph_, first, path_[0])));
     PolygonId polygon = first;
     for (const std::uint32_t h : corridor) {
@@ -223,6 +223,13 @@ void pullString(const NavGraph& graph, glm::vec2 start, glm::vec2 goal,
 
 void liftPath(const NavGraph& graph, PolygonId first, std::span<const std::uint32_t> corridor,
               std::span<const glm::vec2> path, float tolerance, std::vector<glm::vec3>& lifted) {
+  lifted.clear();
+  appendLifted(graph, first, corridor, path, tolerance, lifted);
+}
+
+void appendLifted(const NavGraph& graph, PolygonId first, std::span<const std::uint32_t> corridor,
+                  std::span<const glm::vec2> path, float tolerance,
+                  std::vector<glm::vec3>& lifted) {
   Lifter(graph, path, tolerance, lifted).lift(first, corridor);
 }
 

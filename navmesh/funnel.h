@@ -34,6 +34,10 @@ void pullString(const NavGraph& graph, glm::vec2 start, glm::vec2 goal,
 void liftPath(const NavGraph& graph, PolygonId first, std::span<const std::uint32_t> corridor,
               std::span<const glm::vec2> path, float tolerance, std::vector<glm::vec3>& lifted);
 
+/// The same, behind what is in `lifted` already: for ways that go on elsewhere (links.h).
+void appendLifted(const NavGraph& graph, PolygonId first, std::span<const std::uint32_t> corridor,
+                  std::span<const glm::vec2> path, float tolerance, std::vector<glm::vec3>& lifted);
+
 /// Length of a polyline, metres. 0 for fewer than two points.
 float lengthOf(std::span<const glm::vec2> path);
 

@@ -29,29 +29,44 @@ Check checkCost(float cost) {
                   cost, kHighestCost));
 }
 
-std::uint32_t openNeighboursOf(const NavGraph& graph, std::span<const float> cost,
+std::uint32_t openNeighboursOf(const NavGraph& graph, const PolygonStates& states,
                                std::uint32_t polygon) {
   const PolygonId* begin = graph.portalTo.data() + graph.portalStart[polygon];
   const PolygonId* end = graph.portalTo.data() + graph.portalStart[polygon + 1];
   std::uint32_t count = 0;
   for (const PolygonId* to = begin; to != end; ++to) {
     const bool first = std::find(begin, to, *to) == to;
-    count += first && cost[index(*to)] != kClosed ? 1 : 0;
+    count += first && !states.isClosed(*to) ? 1 : 0;
+  }
+  const std::span<const LinkWay> ways = states.links.from(PolygonId{polygon});
+  for (auto way = ways.begin(); way != ways.end(); ++way) {
+    const bool first =
+        std::find(begin, end, way->to) == end &&
+        std::none_of(ways.begin(), way, [&](const LinkWay& w) { return w.to == way->to; });
+    count += first && !states.isClosed(way->to) ? 1 : 0;
   }
   return count;
 }
 
-/// Fills in what follows from the costs.
+/// Fills in what follows from the costs and the links.
 void settle(const NavGraph& graph, PolygonStates& states) {
-  if (std::all_of(states.cost.begin(), states.cost.end(), [](float c) { return c == 1.0f; })) {
+  const bool free =
+      std::all_of(states.cost.begin(), states.cost.end(), [](float c) { return c == 1.0f; });
+  if (free && states.links.empty()) {
     states = PolygonStates{};
     return;
   }
+  if (states.cost.empty()) states.cost.assign(graph.polygonCount(), 1.0f);
   states.openNeighbours.resize(graph.polygonCount());
   for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
-    states.openNeighbours[p] = openNeighboursOf(graph, states.cost, p);
+    states.openNeighbours[p] = openNeighboursOf(graph, states, p);
   }
-  states.chains = findChains(graph, states.cost, states.openNeighbours);
+  std::vector<char> linked(states.links.empty() ? 0 : graph.polygonCount(), 0);
+  for (const LinkWay& way : states.links.ways) {
+    linked[index(way.from)] = 1;
+    linked[index(way.to)] = 1;
+  }
+  states.chains = findChains(graph, states.cost, states.openNeighbours, linked);
 }
 
 bool holds(const PlanArea& area, glm::vec2 plan) {
@@ -136,9 +151,15 @@ Check setCost(const NavGraph& graph, std::span<const PolygonId> polygons, float 
   return {};
 }
 
+void setLinks(const NavGraph& graph, Links links, PolygonStates& states) {
+  states.links = std::move(links);
+  settle(graph, states);
+}
+
 tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
-                                                     std::span<const AreaCost> areas) {
+                                                     std::span<const AreaCost> areas, Links links) {
   PolygonStates states;
+  states.links = std::move(links);
   for (std::size_t i = 0; i < areas.size(); ++i) {
     if (Check ok = checkArea(areas[i].area, i); !ok) return tl::unexpected(ok.error());
     if (Check ok = checkCost(areas[i].cost); !ok) return tl::unexpected(ok.error());

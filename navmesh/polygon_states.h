@@ -1,4 +1,5 @@
-// Doors and areas that open and close at once: what walking through each polygon costs.
+// Doors and areas that open and close at once, and links: what walking through each polygon costs,
+// and what leads out of it beside its portals.
 //
 // An overlay beside the navgraph, which stays as it is and shared. Nothing is rebuilt, so that a
 // door closes with the next frame; where geometry changes, obstacles are carved instead
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "navmesh/error.h"
+#include "navmesh/links.h"
 #include "navmesh/nav_graph.h"
 
 namespace forewalk::navmesh {
@@ -25,18 +27,21 @@ inline constexpr float kClosed = std::numeric_limits<float>::infinity();
 /// the others have no digits in common.
 inline constexpr float kHighestCost = 1e6f;
 
-/// Belongs to the one graph it was made for. Changed by setCost only: the rest follows from `cost`.
+/// Belongs to the one graph it was made for. Changed by setCost and setLinks only: the rest follows
+/// from `cost` and `links`.
 struct PolygonStates {
   /// Per polygon: how many metres one metre through it counts for, 1 to kHighestCost, or kClosed.
-  /// Empty, as are the others: 1 everywhere.
+  /// Empty, as are the others: 1 everywhere, and no links.
   std::vector<float> cost;
+  Links links;
 
-  std::vector<std::uint32_t> openNeighbours;  ///< per polygon: distinct neighbours not closed
-  Chains chains;                              ///< findChains(graph, cost, openNeighbours)
+  std::vector<std::uint32_t> openNeighbours;  ///< per polygon: distinct neighbours not closed, by
+                                              ///< portals and by ways of links out of it
+  Chains chains;                              ///< findChains with these; ends of links lie in none
 
   float costOf(PolygonId polygon) const { return cost.empty() ? 1.0f : cost[index(polygon)]; }
   bool isClosed(PolygonId polygon) const { return costOf(polygon) == kClosed; }
-  bool allOpen() const { return cost.empty(); }  ///< and nothing costs more
+  bool allOpen() const { return cost.empty(); }  ///< and nothing costs more, and no link
 
   bool operator==(const PolygonStates&) const = default;
 };
@@ -71,13 +76,18 @@ std::vector<PolygonId> polygonsIn(const NavGraph& graph, const PlanArea& area);
                                                 std::span<const PolygonId> polygons, float cost,
                                                 PolygonStates& states);
 
-/// The states of a graph whose areas have these costs. Where areas overlap the higher cost counts,
-/// so their order does not matter. All at cost 1, or none: empty.
+/// Puts links that were made for `graph` into `states`, in the place of those before.
+/// O(half-portals).
+void setLinks(const NavGraph& graph, Links links, PolygonStates& states);
+
+/// The states of a graph whose areas have these costs, with its links. Where areas overlap the
+/// higher cost counts, so their order does not matter. All at cost 1, or none, and no links: empty.
 ///
 /// Fails when a cost is neither 1 to kHighestCost nor kClosed, or an area has fewer than 3 corners,
 /// a number that is not finite, or is not convex and counter-clockwise (1 mm) (kSettingOutOfRange,
 /// naming which). O(areas * polygons * corners + half-portals).
 [[nodiscard]] tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
-                                                                   std::span<const AreaCost> areas);
+                                                                   std::span<const AreaCost> areas,
+                                                                   Links links = {});
 
 }  // namespace forewalk::navmesh

@@ -1,5 +1,7 @@
 #include "prediction/funnel_tree.h"
 
+#include <limits>
+
 #include "navmesh/plan.h"
 
 namespace forewalk::prediction {
@@ -19,8 +21,9 @@ void FunnelTree::reserve(std::size_t nodes) {
 }
 
 void FunnelTree::restart(const navmesh::NavGraph& graph, glm::vec2 source, float height,
-                         std::vector<Corner>& corners) {
+                         std::vector<Corner>& corners, const navmesh::LinkWay* ways) {
   graph_ = &graph;
+  ways_ = ways;
   corners_ = &corners;
   corners.clear();
   corners.push_back({source, height, 0.0f, 0});
@@ -46,6 +49,10 @@ void FunnelTree::find(std::uint32_t node) {
 }
 
 void FunnelTree::findFromParent(std::uint32_t node) {
+  if (links_[node].portal >= kByLink) {
+    findBehindLink(node);
+    return;
+  }
   const std::uint32_t parent = links_[node].parent;
   const navmesh::Portal& portal = graph_->portals[links_[node].portal];
   points_[2 * node] = portal.left;
@@ -57,6 +64,23 @@ void FunnelTree::findFromParent(std::uint32_t node) {
   apex_[node] = funnel.apex;
   left_[node] = funnel.left;
   right_[node] = funnel.right;
+}
+
+/// The funnel of a node that is entered by a link opens at the exit.
+void FunnelTree::findBehindLink(std::uint32_t node) {
+  const navmesh::LinkWay& way = ways_[links_[node].portal & ~kByLink];
+  const std::uint32_t before =
+      cornerBefore(links_[node].parent, way.entry, std::numeric_limits<float>::infinity());
+  const std::uint32_t exit = 2 * node, entry = exit + 1;
+  points_[exit] = way.exit;
+  points_[entry] = way.entry;
+  cornerOf_[entry] = static_cast<std::uint32_t>(corners_->size());
+  cornerOf_[exit] = cornerOf_[entry] + 1;
+  const Corner& last = (*corners_)[before];
+  const float reached = last.distance + glm::distance(last.plan, way.entry);
+  corners_->push_back({way.entry, way.entryHeight, reached, before});
+  corners_->push_back({way.exit, way.exitHeight, reached + way.length, cornerOf_[entry]});
+  apex_[node] = left_[node] = right_[node] = exit;
 }
 
 /// `funnel` narrowed by the portals into the nodes of stack_[0, depth), the last of them first.

@@ -21,8 +21,9 @@ HorizonSearch::HorizonSearch(const NavGraph& graph, std::uint32_t polygonLimit)
   touchedChains_.resize(std::size_t{graph.polygonCount()} + 2);
   // Each half-portal of a settled polygon is pushed at most once. That many for the whole limit
   // would be wasteful in large graphs; a queue that fills up is reported like a tree that does.
+  // Links come with the states; few are waiting at a time.
   queue_.reserve(std::min<std::size_t>(graph.portalCount(), std::size_t{8} * limit_) +
-                 mostNeighbours_ + 1);
+                 mostNeighbours_ + 4 * navmesh::kMostLinkWays + 1);
   tree_.resize(limit_);
   funnels_.reserve(limit_);
 }
@@ -197,6 +198,9 @@ void HorizonSearch::useStates(const navmesh::PolygonStates* states, PolygonId so
   waysThrough_ = states_ == nullptr ? &graph_->chains : &states_->chains;
   neighbourCount_ = (states_ == nullptr ? graph_->neighbourCount : states_->openNeighbours).data();
   leaves_ = states_ != nullptr && states_->isClosed(source) ? source : navmesh::kNoPolygon;
+  const bool linked = states_ != nullptr && !states_->links.empty();
+  ways_ = linked ? states_->links.ways.data() : nullptr;
+  mostOffered_ = mostNeighbours_ + (linked ? navmesh::kMostLinkWays : 0);
 }
 
 bool HorizonSearch::isEntered(std::uint32_t portal) const {
@@ -209,7 +213,10 @@ bool HorizonSearch::isBranch(PolygonId polygon) const {
   if (leaves_ == navmesh::kNoPolygon || count != 2) return count > 2;
   const PolygonId* to = graph_->portalTo.data();
   const PolygonId* end = to + graph_->portalStart[index(polygon) + 1];
-  return std::find(to + graph_->portalStart[index(polygon)], end, leaves_) != end;
+  if (std::find(to + graph_->portalStart[index(polygon)], end, leaves_) != end) return true;
+  const auto ways = states_->links.from(polygon);
+  return std::any_of(ways.begin(), ways.end(),
+                     [&](const navmesh::LinkWay& way) { return way.to == leaves_; });
 }
 
 /// Offers what lies behind a half-portal a way.
@@ -239,6 +246,19 @@ void HorizonSearch::relaxFromSource(const navmesh::Location& source) {
     } else {
       offer(portal, key, 0);
     }
+  }
+  if (ways_ != nullptr && !limitReached_) relaxLinks(0, source.plan, 0.0f, cost);
+}
+
+/// Offers what lies behind the links out of a node's polygon a way; `key` is that of the node,
+/// where the walk is at `from`.
+void HorizonSearch::relaxLinks(std::uint32_t node, glm::vec2 from, float key, float cost) {
+  for (const navmesh::LinkWay& way : states_->links.from(tree_[node].polygon)) {
+    if (states_->isClosed(way.to)) continue;
+    ++relaxed_;
+    // An exit lies in no chain.
+    label(way.to, key + cost * glm::distance(from, way.entry) + way.length,
+          kByLink | static_cast<std::uint32_t>(&way - ways_), node);
   }
 }
 
@@ -285,7 +305,11 @@ void HorizonSearch::relaxByCost(std::uint32_t node) {
   const SearchNode& from = tree_[node];
   const std::uint32_t begin = graph_->portalStart[index(from.polygon)];
   const std::uint32_t end = graph_->portalStart[index(from.polygon) + 1];
-  const float* length = graph_->successorLength.data() + graph_->successorStart[from.portal];
+  const bool byLink = from.portal >= kByLink;
+  const float* length =
+      byLink ? nullptr : graph_->successorLength.data() + graph_->successorStart[from.portal];
+  const glm::vec2 entered =
+      byLink ? ways_[from.portal & ~kByLink].exit : graph_->portalMidpoint[from.portal];
   const float cost = states_->costOf(from.polygon);
   const float key = from.key;
   // Who leaves a closed polygon may come into the middle of a chain, of which the states' chains
@@ -295,27 +319,39 @@ void HorizonSearch::relaxByCost(std::uint32_t node) {
   for (std::uint32_t portal = begin; portal < end; ++portal) {
     if (!isEntered(portal)) continue;
     ++relaxed_;
-    const float there = key + cost * length[portal - begin];
+    const float step =
+        byLink ? glm::distance(entered, graph_->portalMidpoint[portal]) : length[portal - begin];
+    const float there = key + cost * step;
     if (plain) {
       label(graph_->portalTo[portal], there, portal, node);
     } else {
       offer(portal, there, node);
     }
   }
+  if (ways_ != nullptr) relaxLinks(node, entered, key, cost);
   if (!topTaken_) queue_.pop();
+}
+
+/// From the midpoint of the portal, or the exit of the link, that a node was entered by.
+inline float HorizonSearch::stepToCentroid(const SearchNode& node) const {
+  if (node.portal < kByLink) return graph_->portalToCentroid[node.portal];
+  return glm::distance(ways_[node.portal & ~kByLink].exit, graph_->centroid[index(node.polygon)]);
 }
 
 bool HorizonSearch::isWithin(std::uint32_t node) {
   SearchNode& at = tree_[node];
-  if (at.key + graph_->portalToCentroid[at.portal] <= horizon_) return true;
+  if (at.key + stepToCentroid(at) <= horizon_) return true;
   if (by_ == Limit::kKey) return false;
   const glm::vec2 centroid = graph_->centroid[index(at.polygon)];
-  if (glm::distance(source_, centroid) > horizon_) return false;
-  // The way by the last bend that all paths through the parent share is no longer than the taut
-  // path.
   const std::vector<Corner>& corners = *corners_;
-  const Corner& shared = corners[funnels_.cornerShared(at.parent)];
-  if (shared.distance + glm::distance(shared.plan, centroid) > horizon_) return false;
+  if (at.portal < kByLink) {
+    // A link may lead farther than one can walk.
+    if (ways_ == nullptr && glm::distance(source_, centroid) > horizon_) return false;
+    // The way by the last bend that all paths through the parent share is no longer than the taut
+    // path.
+    const Corner& shared = corners[funnels_.cornerShared(at.parent)];
+    if (shared.distance + glm::distance(shared.plan, centroid) > horizon_) return false;
+  }
   at.corner = cornerBefore(node, centroid, horizon_);
   const Corner& before = corners[at.corner];
   return before.distance + glm::distance(before.plan, centroid) <= horizon_;
@@ -352,7 +388,7 @@ void HorizonSearch::dropQueue() {
 
 /// Settles the polygon that the queue's top stands for, and looks at its neighbours.
 void HorizonSearch::settleTop(PolygonId polygon, const Reach& reach) {
-  if (count_ == limit_ || queue_.size() + mostNeighbours_ > queue_.capacity()) {
+  if (count_ == limit_ || queue_.size() + mostOffered_ > queue_.capacity()) {
     tree_[reach.parent].dropped = true;
     dropQueue();
     return;
@@ -397,7 +433,7 @@ void HorizonSearch::run(const navmesh::Location& source, float horizon,
   assert(index(source.polygon) < graph_->polygonCount());
   reset();
   useStates(states, source.polygon);
-  funnels_.restart(*graph_, source.plan, source.height, corners);
+  funnels_.restart(*graph_, source.plan, source.height, corners, ways_);
   source_ = source.plan;
   horizon_ = horizon;
   by_ = limit;

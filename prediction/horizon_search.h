@@ -42,7 +42,7 @@ namespace forewalk::prediction {
 struct SearchNode {
   PolygonId polygon;
   std::uint32_t parent;  ///< index in the tree; of the source: 0
-  std::uint32_t portal;  ///< half-portal of the parent's polygon it was entered by; source: kNone
+  std::uint32_t portal;  ///< of the parent's polygon it was entered by, as TreeLink has it
   float key;             ///< metres, each as often as it costs, see above; source: 0
   std::uint32_t corner;  ///< before its centroid on the taut path (FunnelTree::cornerBefore with
                          ///< the horizon as enough), where the search needed it; else kNone
@@ -94,6 +94,9 @@ class HorizonSearch {
     return funnels_.cornerBefore(node, end, enough);
   }
 
+  /// The tree's funnels, for the corners of links.
+  const FunnelTree& funnels() const { return funnels_; }
+
  private:
   /// What is known of a polygon. Stamped by resetting what the last run settled, never cleared.
   struct Reach {
@@ -134,6 +137,8 @@ class HorizonSearch {
   void enterOwnChain(std::uint32_t portal, float key);
   void relax(std::uint32_t node);
   void relaxByCost(std::uint32_t node);
+  void relaxLinks(std::uint32_t node, glm::vec2 from, float key, float cost);
+  float stepToCentroid(const SearchNode& node) const;
   void offer(std::uint32_t portal, float key, std::uint32_t node);
   void label(PolygonId polygon, float key, std::uint32_t portal, std::uint32_t parent);
   void enqueue(float key, std::uint32_t entry);
@@ -170,7 +175,10 @@ class HorizonSearch {
   // Of the run at hand.
   const navmesh::Chains* waysThrough_ = nullptr;    // the graph's, or those of the states
   const std::uint32_t* neighbourCount_ = nullptr;   // likewise
-  const navmesh::PolygonStates* states_ = nullptr;  // null where nothing is closed or costs more
+  const navmesh::PolygonStates* states_ = nullptr;  // null where nothing is closed or costs more,
+                                                    // and there is no link
+  const navmesh::LinkWay* ways_ = nullptr;          // of links; null where there are none
+  std::uint32_t mostOffered_ = 0;                   // by one polygon: mostNeighbours_ and links
   PolygonId leaves_ = navmesh::kNoPolygon;          // the user's polygon, where that is closed
   glm::vec2 source_{};
   float horizon_ = 0.0f;

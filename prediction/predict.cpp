@@ -17,10 +17,13 @@ namespace {
 /// buffer.
 class Assembly {
  public:
-  Assembly(const NavGraph& navGraph, HorizonSearch& search, PredictionGraph& out,
-           std::vector<std::uint32_t>& nodeOf, std::vector<std::uint32_t>& treeOf,
-           std::vector<Portal>& corridor, std::vector<glm::vec2>& path)
+  /// `links`: null where there are none.
+  Assembly(const NavGraph& navGraph, const navmesh::Links* links, HorizonSearch& search,
+           PredictionGraph& out, std::vector<std::uint32_t>& nodeOf,
+           std::vector<std::uint32_t>& treeOf, std::vector<Portal>& corridor,
+           std::vector<glm::vec2>& path)
       : navGraph_(navGraph),
+        links_(links),
         search_(search),
         tree_(search.tree()),
         out_(out),
@@ -51,6 +54,7 @@ class Assembly {
     for (std::uint32_t from = 1; from < count; ++from) {
       if (nodeOf_[treeOf_[from]] != from) continue;  // a cut has no polygon of its own
       joinLoopsOf(from);
+      if (links_ != nullptr) joinLoopsByLinksOf(from);
     }
   }
 
@@ -107,30 +111,25 @@ class Assembly {
     const std::vector<Corner>& corners = out_.corners;
     glm::vec2 ahead = navGraph_.centroid[index(tree_[at].polygon)];
     std::uint32_t corner = cornerBeforeCentroid(at);
+    if (links_ != nullptr && addCutByLinks(at, corner)) return;
     bool onLastLeg = true;
-    for (; corners[corner].distance > out_.horizon; corner = corners[corner].previous) {
+    // Not across a link before prevPG, which a rounding may put at the horizon.
+    const std::uint32_t first = links_ == nullptr ? kNone : lastExitBefore(tree_[at].prevPG);
+    for (; corners[corner].distance > out_.horizon && corner != first;
+         corner = corners[corner].previous) {
       ahead = corners[corner].plan;
       onLastLeg = false;
     }
-    const Corner& before = corners[corner];
-    const float leg = glm::distance(before.plan, ahead);
-    const float share = leg > 0.0f ? std::min(1.0f, (out_.horizon - before.distance) / leg) : 0.0f;
-    const glm::vec2 plan = before.plan + share * (ahead - before.plan);
-
+    const glm::vec2 plan = cutBetween(corners[corner], ahead);
     const std::uint32_t holder = onLastLeg ? holderOnLastLeg(at, plan) : holderAmongAll(at, plan);
-    const PolygonId polygon = tree_[holder].polygon;
-    Node& node = addNode(at, NodeKind::kTerminal, plan, navmesh::heightAt(navGraph_, polygon, plan),
-                         out_.horizon, corner);
-    node.branch = false;
-    node.polygon = polygon;
-    addTerminal(node, TerminalReason::kHorizon);
-    joinTree(plan, node.prev, holder, tree_[at].prevPG);
+    addCutAt(at, corner, holder, plan, navmesh::heightAt(navGraph_, tree_[holder].polygon, plan));
+    joinTree(plan, out_.nodes.back().prev, holder, tree_[at].prevPG);
   }
 
   /// The tree node whose polygon holds a point of the path's last straight leg, which ends in `at`:
   /// the leg crosses each portal's line once, so the point is past the portals that it lies beyond.
   std::uint32_t holderOnLastLeg(std::uint32_t at, glm::vec2 point) const {
-    while (at != 0) {
+    while (at != 0 && !isLink(tree_[at].portal)) {  // the last leg begins behind a link
       const Portal& portal = navGraph_.portals[tree_[at].portal];
       if (navmesh::turn(portal.right, portal.left, point) <= 0.0f) break;
       at = tree_[at].parent;
@@ -138,18 +137,82 @@ class Assembly {
     return at;
   }
 
-  /// The same for a point anywhere on the path to `at`. Where polygons touch the one farther along
-  /// wins.
+  /// The same for a point anywhere on the path to `at`, behind its last link. Where polygons touch
+  /// the one farther along wins.
   std::uint32_t holderAmongAll(std::uint32_t at, glm::vec2 point) const {
     constexpr float kOnBorder = 1e-3f;
-    while (at != 0 && !navmesh::contains(navGraph_, tree_[at].polygon, point, kOnBorder)) {
+    while (at != 0 && !isLink(tree_[at].portal) &&
+           !navmesh::contains(navGraph_, tree_[at].polygon, point, kOnBorder)) {
       at = tree_[at].parent;
     }
     return at;
   }
 
+  const navmesh::LinkWay& wayInto(std::uint32_t at) const {
+    return links_->ways[tree_[at].portal & ~kByLink];
+  }
+
+  /// The corner where the way to a node leaves its last link; kNone where it has none.
+  std::uint32_t lastExitBefore(std::uint32_t node) const {
+    while (node != 0 && !isLink(tree_[node].portal)) node = tree_[node].parent;
+    return node == 0 ? kNone : search_.funnels().exitCorner(node);
+  }
+
+  /// addCut where the way to `at` leads through links behind its prevPG. False where the cut lies
+  /// behind all of them; `corner` is the last one on the path to the centroid.
+  bool addCutByLinks(std::uint32_t at, std::uint32_t corner) {
+    std::uint32_t beyond = kNone;  // the first node behind a link that is left beyond the horizon
+    for (std::uint32_t node = at; node > tree_[at].prevPG; node = tree_[node].parent) {
+      if (!isLink(tree_[node].portal)) continue;
+      if (out_.corners[search_.funnels().exitCorner(node)].distance > out_.horizon) beyond = node;
+    }
+    if (beyond == kNone) return false;
+    const navmesh::LinkWay& way = wayInto(beyond);
+    const std::uint32_t holder = tree_[beyond].parent;
+    corner = search_.funnels().entryCorner(beyond);
+    const float entered = out_.corners[corner].distance;
+    if (entered <= out_.horizon) {
+      const float part = out_.horizon - entered;
+      const float share = std::min(1.0f, part / way.length);
+      const glm::vec2 plan = way.entry + share * (way.exit - way.entry);
+      const float height = way.entryHeight + share * (way.exitHeight - way.entryHeight);
+      addCutAt(at, corner, holder, plan, height);
+      joinTreeByLinks(plan, out_.nodes.back().prev, holder, tree_[at].prevPG, {&way, part});
+      return true;
+    }
+    // On the way to the entry.
+    glm::vec2 ahead = way.entry;
+    for (; out_.corners[corner].distance > out_.horizon; corner = out_.corners[corner].previous)
+      ahead = out_.corners[corner].plan;
+    const glm::vec2 plan = cutBetween(out_.corners[corner], ahead);
+    const std::uint32_t in = holderAmongAll(holder, plan);
+    addCutAt(at, corner, in, plan, navmesh::heightAt(navGraph_, tree_[in].polygon, plan));
+    joinTree(plan, out_.nodes.back().prev, in, tree_[at].prevPG);
+    return true;
+  }
+
+  /// The point at the horizon on the leg from a corner within it.
+  glm::vec2 cutBetween(const Corner& before, glm::vec2 ahead) const {
+    const float leg = glm::distance(before.plan, ahead);
+    const float share =
+        leg > 0.0f ? std::clamp((out_.horizon - before.distance) / leg, 0.0f, 1.0f) : 0.0f;
+    return before.plan + share * (ahead - before.plan);
+  }
+
+  void addCutAt(std::uint32_t at, std::uint32_t corner, std::uint32_t holder, glm::vec2 plan,
+                float height) {
+    Node& node = addNode(at, NodeKind::kTerminal, plan, height, out_.horizon, corner);
+    node.branch = false;
+    node.polygon = tree_[holder].polygon;
+    addTerminal(node, TerminalReason::kHorizon);
+  }
+
   /// Tree edge of the latest node, which lies at `plan` in the polygon of tree node `holder`.
   void joinTree(glm::vec2 plan, NodeId prev, std::uint32_t holder, std::uint32_t prevTree) {
+    if (links_ != nullptr && leadsThroughLink(holder, prevTree)) {
+      joinTreeByLinks(plan, prev, holder, prevTree, {});
+      return;
+    }
     // A cut can lie before the polygon of its prevPG, where that is wide and the way leaves it far
     // from its centroid: then the corridor runs the other way.
     const bool back = holder < prevTree;
@@ -169,6 +232,128 @@ class Assembly {
     }
     const NodeId from{static_cast<std::uint32_t>(out_.nodes.size() - 1)};
     addEdge(from, plan, prev, out_.nodes[index(prev)].plan, EdgeKind::kTree, polygonStart);
+  }
+
+  bool leadsThroughLink(std::uint32_t holder, std::uint32_t prevTree) const {
+    for (; holder > prevTree; holder = tree_[holder].parent) {
+      if (isLink(tree_[holder].portal)) return true;
+    }
+    return false;
+  }
+
+  /// A link that the horizon cuts, and how much of it lies before the cut, metres.
+  struct CutLink {
+    const navmesh::LinkWay* way = nullptr;
+    float part = 0.0f;
+  };
+
+  /// joinTree through links: from `plan`, in `cut` or else in the polygon of `holder`, which is no
+  /// nearer than `prevTree`.
+  void joinTreeByLinks(glm::vec2 plan, NodeId prev, std::uint32_t holder, std::uint32_t prevTree,
+                       CutLink cut) {
+    const auto polygonStart = static_cast<std::uint32_t>(out_.corridorPolygons.size());
+    const auto pathStart = static_cast<std::uint32_t>(out_.pathPoints.size());
+    const NodeId from{static_cast<std::uint32_t>(out_.nodes.size() - 1)};
+    float length = 0.0f;
+    const auto step = [&](const navmesh::LinkWay& way, float part) {
+      LinkStep& at = out_.linkSteps.emplace_back();
+      at.edge = static_cast<std::uint32_t>(out_.edges.size());
+      at.point = static_cast<std::uint32_t>(out_.pathPoints.size()) - 1 - pathStart;
+      at.polygons = static_cast<std::uint32_t>(out_.corridorPolygons.size()) - polygonStart;
+      at.length = part;
+      at.link = way.link;
+      at.forward = false;
+      length += part;
+      plan = way.entry;
+    };
+    if (cut.way != nullptr) {
+      out_.pathPoints.push_back(plan);
+      step(*cut.way, cut.part);
+    }
+    corridor_.clear();
+    for (std::uint32_t at = holder;; at = tree_[at].parent) {
+      out_.corridorPolygons.push_back(tree_[at].polygon);
+      if (at == prevTree) break;
+      if (isLink(tree_[at].portal)) {
+        const navmesh::LinkWay& way = wayInto(at);
+        length += addPath(plan, way.exit);
+        step(way, way.length);
+        corridor_.clear();
+      } else {
+        const Portal& portal = navGraph_.portals[tree_[at].portal];
+        corridor_.push_back({portal.right, portal.left});
+      }
+    }
+    length += addPath(plan, out_.nodes[index(prev)].plan);
+    finishEdge(from, prev, EdgeKind::kTree, length, polygonStart, pathStart);
+  }
+
+  /// Links between the polygons of two nodes that neither the tree nor portals join. Each pair
+  /// once, by its shortest link.
+  void joinLoopsByLinksOf(std::uint32_t from) {
+    const PolygonId polygon = out_.nodes[from].polygon;
+    const auto ways = links_->from(polygon);
+    for (auto way = ways.begin(); way != ways.end(); ++way) {
+      const std::uint32_t tree = search_.treeIndexOf(way->to);
+      const std::uint32_t to = tree == kNone ? kNone : nodeOf_[tree];
+      const bool seen =
+          std::any_of(ways.begin(), way, [&](const auto& w) { return w.to == way->to; });
+      if (to == kNone || seen || isJoined(from, to)) continue;
+      const navmesh::LinkWay* best = &*way;
+      bool forward = true;
+      const auto offer = [&](const navmesh::LinkWay& other, bool ahead) {
+        if (lengthByLink(other, ahead, from, to) >= lengthByLink(*best, forward, from, to)) return;
+        best = &other;
+        forward = ahead;
+      };
+      for (auto other = way + 1; other != ways.end(); ++other) {
+        if (other->to == way->to) offer(*other, true);
+      }
+      bool joinedAlready = false;  // from the other end
+      for (const navmesh::LinkWay& other : links_->from(way->to)) {
+        if (other.to != polygon) continue;
+        joinedAlready = joinedAlready || to < from;
+        offer(other, false);
+      }
+      if (!joinedAlready) addLoopByLink(from, to, *best, forward);
+    }
+  }
+
+  bool isJoined(std::uint32_t one, std::uint32_t other) const {
+    if (out_.nodes[one].prev == NodeId{other} || out_.nodes[other].prev == NodeId{one}) return true;
+    const std::uint32_t polygon = index(out_.nodes[one].polygon);
+    const auto begin = navGraph_.portalTo.begin() + navGraph_.portalStart[polygon];
+    const auto end = navGraph_.portalTo.begin() + navGraph_.portalStart[polygon + 1];
+    return std::find(begin, end, out_.nodes[other].polygon) != end;
+  }
+
+  /// `ahead`: the link leads from the polygon of `from` to that of `to`, else the other way.
+  float lengthByLink(const navmesh::LinkWay& way, bool ahead, std::uint32_t from,
+                     std::uint32_t to) const {
+    return glm::distance(out_.nodes[ahead ? from : to].plan, way.entry) + way.length +
+           glm::distance(way.exit, out_.nodes[ahead ? to : from].plan);
+  }
+
+  /// From the later node to the earlier, as loops through portals.
+  void addLoopByLink(std::uint32_t from, std::uint32_t to, const navmesh::LinkWay& way,
+                     bool forward) {
+    const float length = lengthByLink(way, forward, from, to);
+    if (from < to) {
+      std::swap(from, to);
+      forward = !forward;
+    }
+    const auto polygonStart = static_cast<std::uint32_t>(out_.corridorPolygons.size());
+    const auto pathStart = static_cast<std::uint32_t>(out_.pathPoints.size());
+    out_.corridorPolygons.push_back(out_.nodes[from].polygon);
+    out_.corridorPolygons.push_back(out_.nodes[to].polygon);
+    const glm::vec2 begin = forward ? way.entry : way.exit, end = forward ? way.exit : way.entry;
+    corridor_.clear();
+    addPath(out_.nodes[from].plan, begin);
+    out_.linkSteps.push_back({static_cast<std::uint32_t>(out_.edges.size()),
+                              static_cast<std::uint32_t>(out_.pathPoints.size()) - 1 - pathStart, 1,
+                              way.length, way.link, forward});
+    addPath(end, out_.nodes[to].plan);
+    finishEdge(NodeId{from}, NodeId{to}, EdgeKind::kLoop, length, polygonStart, pathStart);
   }
 
   void joinLoopsOf(std::uint32_t from) {
@@ -199,6 +384,11 @@ class Assembly {
     const std::uint32_t pathStart = static_cast<std::uint32_t>(out_.pathPoints.size());
     const float length = corridor_.size() == 1 ? addPathThroughOne(start, goal, corridor_.front())
                                                : addPath(start, goal);
+    finishEdge(from, to, kind, length, polygonStart, pathStart);
+  }
+
+  void finishEdge(NodeId from, NodeId to, EdgeKind kind, float length, std::uint32_t polygonStart,
+                  std::uint32_t pathStart) {
     Edge& edge = out_.edges.emplace_back();
     edge.from = from;
     edge.to = to;
@@ -251,6 +441,7 @@ class Assembly {
   }
 
   const NavGraph& navGraph_;
+  const navmesh::Links* links_;
   HorizonSearch& search_;
   std::span<const SearchNode> tree_;
   PredictionGraph& out_;
@@ -298,8 +489,9 @@ const PredictionGraph& predict(const NavGraph& navGraph, const navmesh::Location
   const std::span<const SearchNode> tree = scratch.search_.tree();
   scratch.nodeOf_.resize(tree.size());
   scratch.treeOf_.clear();
-  Assembly assembly(navGraph, scratch.search_, graph, scratch.nodeOf_, scratch.treeOf_,
-                    scratch.corridor_, scratch.path_);
+  const bool linked = states != nullptr && !states->links.empty();
+  Assembly assembly(navGraph, linked ? &states->links : nullptr, scratch.search_, graph,
+                    scratch.nodeOf_, scratch.treeOf_, scratch.corridor_, scratch.path_);
   assembly.addSource();
   for (std::uint32_t at = 1; at < tree.size(); ++at) assembly.addTreeNode(at);
   assembly.joinLoops();

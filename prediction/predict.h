@@ -18,6 +18,13 @@
 // Where polygons are closed or cost more (navmesh/polygon_states.h) the ways are those that people
 // take then: none through what is closed, and around what costs more where that is cheaper. All
 // lengths are metres of walking still, and the horizon is too.
+//
+// Links (navmesh/links.h), a part of the states, lead from polygon to polygon as portals do: a
+// polygon's neighbours are those that its links lead to as well, so that it may be a branch, and
+// two nodes that a link joins and the tree does not have a loop edge. A way through one goes to its
+// entry, counts its length, and goes on from its exit; both are corners. Where the horizon falls
+// into a link the terminal lies in it: on the straight line from entry to exit, as far along as is
+// walked, in the entry's polygon. PredictionGraph::linkSteps says which edges lead through which.
 #pragma once
 
 #include "navmesh/polygon_states.h"

@@ -30,10 +30,11 @@ void forEachPieceBackwards(const PredictionGraph& graph, const Node& node, Visit
     if (corner.distance < toDistance) {
       const Piece piece{corner.plan, to, corner.height, toHeight, corner.distance, toDistance};
       if (!visit(piece)) return;
-      to = corner.plan;
-      toHeight = corner.height;
-      toDistance = corner.distance;
     }
+    // Also where no length lies between: the two ends of a link of none are far apart.
+    to = corner.plan;
+    toHeight = corner.height;
+    toDistance = corner.distance;
     if (at == 0) return;
   }
 }
@@ -82,6 +83,7 @@ void clear(PredictionGraph& graph) {
   graph.pathPoints.clear();
   graph.terminals.clear();
   graph.fronts.clear();
+  graph.linkSteps.clear();
   graph.stats = {};
 }
 
@@ -189,19 +191,53 @@ static void liftBetweenNodes(const PredictionGraph& graph, const Edge& edge,
   }
 }
 
+std::span<const LinkStep> PredictionGraph::linkStepsOf(const Edge& edge) const {
+  if (linkSteps.empty()) return {};
+  const auto number = static_cast<std::uint32_t>(&edge - edges.data());
+  const auto begin =
+      std::lower_bound(linkSteps.begin(), linkSteps.end(), number,
+                       [](const LinkStep& step, std::uint32_t e) { return step.edge < e; });
+  auto end = begin;
+  while (end != linkSteps.end() && end->edge == number) ++end;
+  return {linkSteps.data() + (begin - linkSteps.begin()), static_cast<std::size_t>(end - begin)};
+}
+
+/// Appends the path that lies in a row of neighbouring polygons.
+static void liftThrough(const navmesh::NavGraph& navGraph, std::span<const PolygonId> polygons,
+                        std::span<const glm::vec2> path, std::vector<std::uint32_t>& portals,
+                        std::vector<glm::vec3>& lifted) {
+  portals.clear();
+  for (std::size_t i = 0; i + 1 < polygons.size(); ++i)
+    portals.push_back(portalBetween(navGraph, polygons[i], polygons[i + 1]));
+  navmesh::appendLifted(navGraph, polygons.front(), portals, path, kLiftTolerance, lifted);
+}
+
 void liftEdge(const navmesh::NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge,
               std::vector<std::uint32_t>& portals, std::vector<glm::vec3>& lifted) {
   const std::span<const PolygonId> polygons = graph.corridorOf(edge);
-  portals.clear();
-  const PolygonId first = polygons.empty() ? graph.node(edge.from).polygon : polygons.front();
-  if (polygons.empty() &&
-      !navmesh::corridorAlong(navGraph, first, graph.pathOf(edge), portals)) {
-    liftBetweenNodes(graph, edge, lifted);
+  const std::span<const glm::vec2> path = graph.pathOf(edge);
+  if (polygons.empty()) {
+    const PolygonId first = graph.node(edge.from).polygon;
+    if (navmesh::corridorAlong(navGraph, first, path, portals)) {
+      navmesh::liftPath(navGraph, first, portals, path, kLiftTolerance, lifted);
+    } else {
+      liftBetweenNodes(graph, edge, lifted);
+    }
     return;
   }
-  for (std::size_t i = 0; i + 1 < polygons.size(); ++i)
-    portals.push_back(portalBetween(navGraph, polygons[i], polygons[i + 1]));
-  navmesh::liftPath(navGraph, first, portals, graph.pathOf(edge), kLiftTolerance, lifted);
+  lifted.clear();
+  std::size_t polygon = 0, point = 0;
+  for (const LinkStep& step : graph.linkStepsOf(edge)) {
+    if (step.polygons == 0) {  // from within the link
+      lifted.push_back(graph.node(edge.from).position());
+    } else {
+      liftThrough(navGraph, polygons.subspan(polygon, step.polygons - polygon),
+                  path.subspan(point, step.point + 1 - point), portals, lifted);
+    }
+    polygon = step.polygons;
+    point = step.point + 1;
+  }
+  liftThrough(navGraph, polygons.subspan(polygon), path.subspan(point), portals, lifted);
 }
 
 std::uint64_t hashOf(const PredictionGraph& graph) {
@@ -240,6 +276,12 @@ std::uint64_t hashOf(const PredictionGraph& graph) {
       addFloat(end.y);
     }
     addFloat(front.length);
+  }
+  for (const LinkStep& step : graph.linkSteps) {
+    add(std::uint64_t{step.edge} << 32 | step.point);
+    add(std::uint64_t{navmesh::index(step.link)} << 32 | step.polygons << 1 |
+        static_cast<std::uint64_t>(step.forward));
+    addFloat(step.length);
   }
   return hash;
 }

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "navmesh/links.h"
 #include "navmesh/locate.h"
 
 namespace forewalk::prediction {
@@ -88,6 +89,19 @@ struct Edge {
                        ///< there are none, or the graph was not made by fronts
 };
 
+/// A link (navmesh/links.h) that an edge leads through: in its path, the step from point `point` to
+/// the next; in its corridor, `polygons` come before the step.
+struct LinkStep {
+  std::uint32_t edge;      ///< index in PredictionGraph::edges
+  std::uint32_t point;     ///< counted within the edge's path
+  std::uint32_t polygons;  ///< counted within the edge's corridor; 0 where the edge begins in the
+                           ///< link, cut there by the horizon
+  float length;            ///< of the part of the link that belongs to the edge, metres
+  navmesh::LinkId link;
+  bool forward;  ///< people walk it in the edge's direction; on tree edges, which run to `prev`,
+                 ///< never
+};
+
 /// Flags of a graph; each names the limit to raise (PredictionLimits).
 enum GraphFlags : std::uint32_t {
   kGraphComplete = 0,
@@ -122,6 +136,7 @@ struct PredictionGraph {
   std::vector<glm::vec2> pathPoints;  ///< plan
   std::vector<NodeId> terminals;      ///< ascending
   std::vector<Front> fronts;          ///< one a terminal, or none: only graphs by fronts have them
+  std::vector<LinkStep> linkSteps;    ///< in order of edges, and along each
   GraphStats stats;
 
   const Node& node(NodeId id) const { return nodes[index(id)]; }
@@ -135,6 +150,7 @@ struct PredictionGraph {
   std::span<const PolygonId> corridorOf(const Edge& edge) const {
     return {corridorPolygons.data() + edge.polygonStart, edge.polygonCount};
   }
+  std::span<const LinkStep> linkStepsOf(const Edge& edge) const;  ///< an element of `edges`
 };
 
 /// Empties a graph for the next prediction, keeping its buffers.
@@ -147,7 +163,8 @@ void sourceAlone(PredictionGraph& graph);
 /// Fills in `children` and each node's range of them from the nodes' `prev`. O(nodes).
 void listChildren(PredictionGraph& graph);
 
-/// A point on a way and the unit direction of walking there (zero on a way of no length).
+/// A point on a way and the unit direction of walking there (zero on a way of no length, and in a
+/// link straight up or down). A link runs straight from its entry to its exit.
 struct WayPoint {
   glm::vec2 plan;
   float height;  ///< interpolated between corners, world y, metres
@@ -174,15 +191,15 @@ bool nextBend(const PredictionGraph& graph, NodeId node, float after, float minA
 NodeId branchAhead(const PredictionGraph& graph);
 
 /// Replaces `way` with the taut path from the source to `node`, the source first; world space,
-/// metres, heights at corners. Its plan length is node.distance. Every way out: call it for each of
-/// graph.terminals.
+/// metres, heights at corners. Its plan length is node.distance, but for links. Every way out: call
+/// it for each of graph.terminals.
 void wayTo(const PredictionGraph& graph, NodeId node, std::vector<glm::vec3>& way);
 
 /// Replaces `lifted` with the path of `edge` on the surface, from `from` to `to`: world space,
 /// metres, with a point wherever the ground leaves the straight line by more than 2 cm. Its plan is
-/// the edge's path. `graph` must have been predicted on `navGraph`; `portals` is scratch.
-/// O(portals and height triangles of the corridor's polygons); allocates only where one of the two
-/// has to grow.
+/// the edge's path; links are straight. `graph` must have been predicted on `navGraph`; `portals`
+/// is scratch. O(portals and height triangles of the corridor's polygons); allocates only where one
+/// of the two has to grow.
 void liftEdge(const navmesh::NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge,
               std::vector<std::uint32_t>& portals, std::vector<glm::vec3>& lifted);
 

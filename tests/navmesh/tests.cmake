@@ -17,3 +17,4 @@ forewalk_test(navmesh/carve_test.cpp LIBS forewalk::navmesh_build Recast::Recast
 forewalk_test(navmesh/tile_join_test.cpp LIBS forewalk::navmesh_build)
 forewalk_test(navmesh/live_mesh_test.cpp LIBS forewalk::navmesh_build)
 forewalk_test(navmesh/polygon_states_test.cpp LIBS forewalk::navmesh)
+forewalk_test(navmesh/links_test.cpp LIBS forewalk::navmesh)
