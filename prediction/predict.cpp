@@ -54,7 +54,9 @@ class Assembly {
     for (std::uint32_t from = 1; from < count; ++from) {
       if (nodeOf_[treeOf_[from]] != from) continue;  // a cut has no polygon of its own
       joinLoopsOf(from);
-      if (links_ != nullptr) joinLoopsByLinksOf(from);
+    }
+    for (std::uint32_t from = 0; from < count && links_ != nullptr; ++from) {
+      if (nodeOf_[treeOf_[from]] == from) joinLoopsByLinksOf(from);
     }
   }
 
@@ -129,7 +131,7 @@ class Assembly {
   /// The tree node whose polygon holds a point of the path's last straight leg, which ends in `at`:
   /// the leg crosses each portal's line once, so the point is past the portals that it lies beyond.
   std::uint32_t holderOnLastLeg(std::uint32_t at, glm::vec2 point) const {
-    while (at != 0 && !isLink(tree_[at].portal)) {  // the last leg begins behind a link
+    while (tree_[at].portal < kByLink) {  // neither the source nor behind a link: there it begins
       const Portal& portal = navGraph_.portals[tree_[at].portal];
       if (navmesh::turn(portal.right, portal.left, point) <= 0.0f) break;
       at = tree_[at].parent;
@@ -141,7 +143,7 @@ class Assembly {
   /// the one farther along wins.
   std::uint32_t holderAmongAll(std::uint32_t at, glm::vec2 point) const {
     constexpr float kOnBorder = 1e-3f;
-    while (at != 0 && !isLink(tree_[at].portal) &&
+    while (tree_[at].portal < kByLink &&
            !navmesh::contains(navGraph_, tree_[at].polygon, point, kOnBorder)) {
       at = tree_[at].parent;
     }
@@ -160,7 +162,7 @@ class Assembly {
 
   /// addCut where the way to `at` leads through links behind its prevPG. False where the cut lies
   /// behind all of them; `corner` is the last one on the path to the centroid.
-  bool addCutByLinks(std::uint32_t at, std::uint32_t corner) {
+  [[gnu::noinline]] bool addCutByLinks(std::uint32_t at, std::uint32_t corner) {
     std::uint32_t beyond = kNone;  // the first node behind a link that is left beyond the horizon
     for (std::uint32_t node = at; node > tree_[at].prevPG; node = tree_[node].parent) {
       if (!isLink(tree_[node].portal)) continue;
@@ -192,15 +194,15 @@ class Assembly {
   }
 
   /// The point at the horizon on the leg from a corner within it.
-  glm::vec2 cutBetween(const Corner& before, glm::vec2 ahead) const {
+  [[gnu::always_inline]] glm::vec2 cutBetween(const Corner& before, glm::vec2 ahead) const {
     const float leg = glm::distance(before.plan, ahead);
     const float share =
         leg > 0.0f ? std::clamp((out_.horizon - before.distance) / leg, 0.0f, 1.0f) : 0.0f;
     return before.plan + share * (ahead - before.plan);
   }
 
-  void addCutAt(std::uint32_t at, std::uint32_t corner, std::uint32_t holder, glm::vec2 plan,
-                float height) {
+  [[gnu::always_inline]] void addCutAt(std::uint32_t at, std::uint32_t corner, std::uint32_t holder,
+                                       glm::vec2 plan, float height) {
     Node& node = addNode(at, NodeKind::kTerminal, plan, height, out_.horizon, corner);
     node.branch = false;
     node.polygon = tree_[holder].polygon;
@@ -249,8 +251,8 @@ class Assembly {
 
   /// joinTree through links: from `plan`, in `cut` or else in the polygon of `holder`, which is no
   /// nearer than `prevTree`.
-  void joinTreeByLinks(glm::vec2 plan, NodeId prev, std::uint32_t holder, std::uint32_t prevTree,
-                       CutLink cut) {
+  [[gnu::noinline]] void joinTreeByLinks(glm::vec2 plan, NodeId prev, std::uint32_t holder,
+                                         std::uint32_t prevTree, CutLink cut) {
     const auto polygonStart = static_cast<std::uint32_t>(out_.corridorPolygons.size());
     const auto pathStart = static_cast<std::uint32_t>(out_.pathPoints.size());
     const NodeId from{static_cast<std::uint32_t>(out_.nodes.size() - 1)};
@@ -290,7 +292,7 @@ class Assembly {
 
   /// Links between the polygons of two nodes that neither the tree nor portals join. Each pair
   /// once, by its shortest link.
-  void joinLoopsByLinksOf(std::uint32_t from) {
+  [[gnu::noinline]] void joinLoopsByLinksOf(std::uint32_t from) {
     const PolygonId polygon = out_.nodes[from].polygon;
     const auto ways = links_->from(polygon);
     for (auto way = ways.begin(); way != ways.end(); ++way) {
@@ -387,8 +389,8 @@ class Assembly {
     finishEdge(from, to, kind, length, polygonStart, pathStart);
   }
 
-  void finishEdge(NodeId from, NodeId to, EdgeKind kind, float length, std::uint32_t polygonStart,
-                  std::uint32_t pathStart) {
+  [[gnu::always_inline]] void finishEdge(NodeId from, NodeId to, EdgeKind kind, float length,
+                                         std::uint32_t polygonStart, std::uint32_t pathStart) {
     Edge& edge = out_.edges.emplace_back();
     edge.from = from;
     edge.to = to;

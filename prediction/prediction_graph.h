@@ -163,8 +163,9 @@ void sourceAlone(PredictionGraph& graph);
 /// Fills in `children` and each node's range of them from the nodes' `prev`. O(nodes).
 void listChildren(PredictionGraph& graph);
 
-/// A point on a way and the unit direction of walking there (zero on a way of no length, and in a
-/// link straight up or down). A link runs straight from its entry to its exit.
+/// A point on a way and the unit direction of walking there (zero on a way of no length). A link
+/// runs straight from its entry to its exit; in one straight up or down the direction is that of
+/// the way behind it.
 struct WayPoint {
   glm::vec2 plan;
   float height;  ///< interpolated between corners, world y, metres

@@ -2,6 +2,7 @@
 forewalk_test(prediction/horizon_search_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/predict_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/predict_states_test.cpp LIBS forewalk::prediction)
+forewalk_test(prediction/predict_links_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/prediction_graph_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/allocation_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/dump_test.cpp LIBS forewalk::prediction_dump nlohmann_json::nlohmann_json)
