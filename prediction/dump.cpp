@@ -65,6 +65,19 @@ Json pathOf(const NavGraph& navGraph, const PredictionGraph& graph, const Edge& 
   return points;
 }
 
+/// Where a link's step begins and ends, in the edge's direction.
+std::pair<glm::vec3, glm::vec3> endsOf(const NavGraph& navGraph, const PredictionGraph& graph,
+                                       const Edge& edge, const LinkStep& step) {
+  const auto path = graph.pathOf(edge);
+  const auto corridor = graph.corridorOf(edge);
+  const auto onGround = [&](PolygonId polygon, glm::vec2 plan) {
+    return navmesh::toSpace(plan, navmesh::heightAt(navGraph, polygon, plan));
+  };
+  return {step.polygons == 0 ? graph.node(edge.from).position()
+                             : onGround(corridor[step.polygons - 1], path[step.point]),
+          onGround(corridor[step.polygons], path[step.point + 1])};
+}
+
 Json nodeToJson(const PredictionGraph& graph, std::size_t i) {
   const Node& node = graph.nodes[i];
   Json json = {{"id", i}, {"kind", nameOf(node.kind)}};
@@ -94,6 +107,18 @@ Json edgeToJson(const NavGraph& navGraph, const PredictionGraph& graph, const Ed
                {"kind", nameOf(edge.kind)}, {"length", edge.length},
                {"polygons", polygons},      {"path", pathOf(navGraph, graph, edge)}};
   if (graph.method == Method::kFront) json["width"] = edge.width;
+  const std::span<const LinkStep> steps = graph.linkStepsOf(edge);
+  if (steps.empty()) return json;
+  Json links = Json::array();
+  for (const LinkStep& step : steps) {
+    const auto [from, to] = endsOf(navGraph, graph, edge, step);
+    links.push_back({{"id", navmesh::index(step.link)},
+                     {"length", step.length},
+                     {"from", pointOf(from)},
+                     {"to", pointOf(to)},
+                     {"forward", step.forward}});
+  }
+  json["links"] = links;
   return json;
 }
 
@@ -184,6 +209,7 @@ std::string toGraphml(const PredictionGraph& graph) {
   key("distance", "node", "double", "length of the taut path from the source, metres");
   key("kind", "edge", "string", "tree or loop");
   key("length", "edge", "double", "of the taut path, metres");
+  if (!graph.linkSteps.empty()) key("link", "edge", "long", "the first link that it leads through");
   fmt::format_to(std::back_inserter(text),
                  "  <graph id=\"prediction\" edgedefault=\"undirected\">\n"
                  "    <data key=\"graph_horizon\">{}</data>\n",
@@ -236,9 +262,14 @@ std::string toGraphml(const PredictionGraph& graph) {
                    "      <data key=\"drawn_edge\"><y:PolyLineEdge><y:LineStyle color=\"{}\" "
                    "type=\"{}\" width=\"2.0\"/></y:PolyLineEdge></data>\n"
                    "      <data key=\"edge_kind\">{}</data>\n"
-                   "      <data key=\"edge_length\">{}</data>\n    </edge>\n",
+                   "      <data key=\"edge_length\">{}</data>\n",
                    i, index(edge.from), index(edge.to), tree ? "#2f5fb3" : "#8a5bb8",
                    tree ? "line" : "dashed", nameOf(edge.kind), number(edge.length));
+    if (const auto steps = graph.linkStepsOf(edge); !steps.empty()) {
+      fmt::format_to(std::back_inserter(text), "      <data key=\"edge_link\">{}</data>\n",
+                     navmesh::index(steps.front().link));
+    }
+    text += "    </edge>\n";
   }
   text += "  </graph>\n</graphml>\n";
   return text;
@@ -268,10 +299,12 @@ std::string toDot(const PredictionGraph& graph) {
                    node.kind == NodeKind::kSource ? ", width=0.24" : "");
   }
   for (const Edge& edge : graph.edges) {
-    fmt::format_to(std::back_inserter(text), "  n{} -- n{} [label=\"{:.1f}\", len={:.4f}{}];\n",
+    const bool linked = !graph.linkStepsOf(edge).empty();
+    fmt::format_to(std::back_inserter(text), "  n{} -- n{} [label=\"{:.1f}\", len={:.4f}{}{}];\n",
                    index(edge.from), index(edge.to), number(edge.length),
                    std::max(number(edge.length) * kPoints / 72.0f, 0.01f),
-                   edge.kind == EdgeKind::kLoop ? ", style=dashed, color=\"#8a5bb8\"" : "");
+                   edge.kind == EdgeKind::kLoop ? ", style=dashed, color=\"#8a5bb8\"" : "",
+                   linked ? ", fontcolor=\"#d9822b\", penwidth=2" : "");
   }
   text += "}\n";
   return text;
@@ -357,6 +390,9 @@ constexpr std::string_view kLoopStyle =
 constexpr std::string_view kLoopOverColours =
     "fill=\"none\" stroke=\"#4b1f7a\" stroke-width=\"2\" stroke-dasharray=\"2 5\"";
 
+constexpr std::string_view kLinkStyle =
+    "fill=\"none\" stroke=\"#d9822b\" stroke-width=\"2.4\" stroke-dasharray=\"7 4\"";
+
 constexpr std::string_view kFrontStyle =
     "stroke=\"#1f9d55\" stroke-opacity=\"0.45\" stroke-width=\"5\" stroke-linecap=\"round\"";
 
@@ -371,6 +407,18 @@ void drawNode(SvgDrawing& drawing, glm::dvec2 at, const Node& node) {
   } else {
     drawing.circle(at, 6.2,
                    fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.6\"", look.fill));
+  }
+}
+
+/// Their ends, and thin between them, whether a way leads through or not.
+void drawLinks(SvgDrawing& drawing, const PlanPage& page, const navmesh::Links& links) {
+  for (const navmesh::LinkWay& way : links.ways) {
+    const glm::dvec2 entry = page.at(way.entry), exit = page.at(way.exit);
+    if (!way.back) {
+      drawing.line(entry, exit, "stroke=\"#d9822b\" stroke-opacity=\"0.5\" stroke-width=\"1\"");
+    }
+    drawing.circle(entry, 3.4, "fill=\"#d9822b\" stroke=\"#ffffff\" stroke-width=\"1\"");
+    drawing.circle(exit, 3.4, "fill=\"#ffffff\" fill-opacity=\"0.6\" stroke=\"#d9822b\"");
   }
 }
 
@@ -477,8 +525,15 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
       for (const Edge& edge : graph.edges) {
         const bool edgeNear = nearSource(graph, graph.node(edge.from).height) ||
                               nearSource(graph, graph.node(edge.to).height);
-        if (edge.kind == kind && edgeNear == near)
-          drawing.polyline(trace(graph.pathOf(edge)), false, "");
+        if (edge.kind != kind || edgeNear != near) continue;
+        const auto path = graph.pathOf(edge);
+        std::size_t begin = 0;
+        for (const LinkStep& step : graph.linkStepsOf(edge)) {
+          drawing.polyline(trace(path.subspan(begin, step.point + 1 - begin)), false, "");
+          drawing.line(page.at(path[step.point]), page.at(path[step.point + 1]), kLinkStyle);
+          begin = step.point + 1;
+        }
+        drawing.polyline(trace(path.subspan(begin)), false, "");
       }
       drawing.endGroup();
     }
@@ -514,6 +569,7 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
     }
   }
   drawing.endGroup();
+  if (text.links != nullptr) drawLinks(drawing, page, *text.links);
   drawUser(drawing, page.at(graph.source.plan), text.heading.value_or(0.0f),
            text.heading.has_value());
   drawing.endGroup();
@@ -539,6 +595,10 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
   at = legendEntry(drawing, page, cursor, "loop");
   drawing.line(at - glm::dvec2(12, 0), at + glm::dvec2(12, 0),
                coloured ? kLoopOverColours : kLoopStyle);
+  if (text.links != nullptr && !text.links->empty()) {
+    at = legendEntry(drawing, page, cursor, "link");
+    drawing.line(at - glm::dvec2(12, 0), at + glm::dvec2(12, 0), kLinkStyle);
+  }
   return drawing.finish();
 }
 

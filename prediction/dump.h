@@ -16,7 +16,9 @@ namespace forewalk::prediction {
 
 /// JSON, schema `forewalk.prediction/1`, one node or edge a line. Points are [x, y, z] in world
 /// axes, metres; paths are lifted onto the surface, with a point wherever the ground bends. Numbers
-/// are the shortest that read back to the same float; what is not finite becomes null.
+/// are the shortest that read back to the same float; what is not finite becomes null. An edge that
+/// leads through links lists them: id, length, the ends of the step, and whether people walk it in
+/// the edge's direction.
 ///
 /// `microseconds` is what the caller measured for making the graph (prediction reads no clock).
 /// `graph` must have been predicted on `navGraph`.
@@ -37,6 +39,7 @@ struct PlanText {
   std::optional<float> heading;              ///< of the user, radians; drawn as an arrow
   const DistanceField* distances = nullptr;  ///< run from the graph's source: drawn as colour below
                                              ///< the ways (distance_drawing.h); null: not drawn
+  const navmesh::Links* links = nullptr;     ///< entries full, exits hollow; null: not drawn
 };
 
 /// The plan: walkable area, polygons, the user, branch nodes red, terminals green (dead ends

@@ -77,10 +77,24 @@ void addPolygon(const PolygonMesh& mesh, const NavGraph& graph, std::uint32_t po
   out.add("]}}");
 }
 
+void addLinks(const Links& links, JsonText& out) {
+  if (links.empty()) return;
+  out.add(",\n\"links\":[");
+  for (const LinkWay& way : links.ways) {
+    out.add(R"({}{{"id":{},"from":{},"to":{},"entry":)", &way == links.ways.data() ? "\n" : ",\n",
+            index(way.link), index(way.from), index(way.to));
+    out.add(toSpace(way.entry, way.entryHeight));
+    out.add(R"(,"exit":)");
+    out.add(toSpace(way.exit, way.exitHeight));
+    out.add(R"(,"length":{},"back":{}}})", way.length, way.back);
+  }
+  out.add("\n]");
+}
+
 }  // namespace
 
 std::string dumpNavMesh(const PolygonMesh& mesh, const NavGraph& graph,
-                        const BuildSettings& settings) {
+                        const BuildSettings& settings, const Links& links) {
   assert(mesh.polygonCount() == graph.polygonCount());
   JsonText out;
   out.add(R"({{"format":"forewalk.navmesh/1",{})", "\n");
@@ -92,7 +106,9 @@ std::string dumpNavMesh(const PolygonMesh& mesh, const NavGraph& graph,
     out.add("{}", p == 0 ? "\n" : ",\n");
     addPolygon(mesh, graph, p, out);
   }
-  out.add("\n]}}\n");
+  out.add("\n]");
+  addLinks(links, out);
+  out.add("}}\n");
   return out.take();
 }
 

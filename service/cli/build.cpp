@@ -9,6 +9,7 @@
 
 #include "navmesh/build/fwmesh.h"
 #include "navmesh/build/navmesh_dump.h"
+#include "service/cli/links_option.h"
 #include "service/cli/scene_options.h"
 #include "service/cli/verb.h"
 #include "service/files.h"
@@ -20,6 +21,7 @@ struct BuildOptions {
   SceneOptions scene;
   std::filesystem::path out;
   std::filesystem::path dump;
+  std::filesystem::path links;
 };
 
 // Under another ending no verb would read it back, and under a scene's it could replace the scene.
@@ -44,11 +46,17 @@ tl::expected<void, Error> run(const BuildOptions& options) {
   const navmesh::PolygonMesh polygons = navmesh::flatten(*navMesh);
   const auto graph = navmesh::makeNavGraph(polygons);
   if (!graph) return tl::unexpected(graph.error());
+  navmesh::Links links;
+  if (!options.links.empty()) {
+    auto made = linksOn(navmesh::makeWorld(*graph), options.links);
+    if (!made) return tl::unexpected(std::move(made.error()));
+    links = std::move(*made);
+  }
   if (auto written = service::writeFile(options.out, navmesh::saveFwmesh(*navMesh)); !written) {
     return written;
   }
   if (!options.dump.empty()) {
-    const std::string text = navmesh::dumpNavMesh(polygons, *graph, navMesh->settings);
+    const std::string text = navmesh::dumpNavMesh(polygons, *graph, navMesh->settings, links);
     if (auto written = service::writeFile(options.dump, text); !written) return written;
   }
   if (options.out == "-" || options.dump == "-") return {};  // stdout is taken
@@ -74,6 +82,10 @@ Verb addBuild(CLI::App& program) {
   verb->add_option("--dump", options->dump,
                    "Polygons and portals as JSON (forewalk.navmesh/1); - is stdout")
       ->check(fileName);
+  addLinksOption(*verb, options->links)
+      ->description(
+          "Lifts, ladders and teleports to try on the navmesh: JSON of format "
+          "forewalk.links/1. Their ends must lie on its ground; the dump lists them");
   verb->footer(
       "Example:\n"
       "  forewalk build assets/scenes/office.obj --radius 0.3 --tile 16 --out office.fwmesh \\\n"

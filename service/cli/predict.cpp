@@ -14,6 +14,7 @@
 
 #include "prediction/dump.h"
 #include "prediction/front_graph.h"
+#include "service/cli/links_option.h"
 #include "service/cli/scene_options.h"
 #include "service/cli/verb.h"
 #include "service/files.h"
@@ -31,6 +32,7 @@ struct PredictOptions {
   float persistence = prediction::FrontSettings{}.persistence;
   std::string format;
   bool distances = false;
+  std::filesystem::path links;
   std::filesystem::path out = "-";
 };
 
@@ -69,6 +71,11 @@ tl::expected<void, Error> run(const PredictOptions& options) {
     throw CLI::ValidationError("--distances",
                                fmt::format("is for plans, not for {}; add --format svg", format));
   }
+  const bool byFronts = options.method == "front";
+  if (byFronts && !options.links.empty()) {
+    throw CLI::ValidationError(
+        "--links", "graphs by fronts do not lead through links yet; give --method polygon");
+  }
   if (auto writable = service::checkWritable(options.out); !writable) return writable;
   auto world = loadWorld(options.scene);
   if (!world) return tl::unexpected(std::move(world.error()));
@@ -76,7 +83,12 @@ tl::expected<void, Error> run(const PredictOptions& options) {
   if (!place) return tl::unexpected(place.error());
 
   const navmesh::NavGraph& navGraph = (*world)->graph;
-  const bool byFronts = options.method == "front";
+  navmesh::PolygonStates states;
+  if (!options.links.empty()) {
+    auto links = linksOn(**world, options.links);
+    if (!links) return tl::unexpected(std::move(links.error()));
+    navmesh::setLinks(navGraph, std::move(*links), states);
+  }
   prediction::PredictionLimits limits;
   limits.polygons = std::max(limits.polygons, navGraph.polygonCount());
   prediction::Scratch scratch(navGraph, limits);
@@ -93,7 +105,7 @@ tl::expected<void, Error> run(const PredictOptions& options) {
     const service::Stopwatch watch;
     graph = byFronts ? &prediction::predictFronts(navGraph, *place, options.horizon, *frontScratch,
                                                   settings)
-                     : &prediction::predict(navGraph, *place, options.horizon, scratch);
+                     : &prediction::predict(navGraph, *place, options.horizon, scratch, &states);
     if (round > 0) times.push_back(watch.microseconds());
   }
   if (format == "graphml") return service::writeFile(options.out, prediction::toGraphml(*graph));
@@ -101,7 +113,7 @@ tl::expected<void, Error> run(const PredictOptions& options) {
   if (format == "svg") {
     const std::string title = fmt::format("Ways ahead within {:g} m in {}", options.horizon,
                                           options.scene.scene.stem().string());
-    prediction::PlanText text{title, {}, nullptr};
+    prediction::PlanText text{title, {}, nullptr, &states.links};
     if (options.headingDegrees) text.heading = glm::radians(*options.headingDegrees);
     std::optional<prediction::PortalEnds> ends;
     std::optional<prediction::DistanceField> distances;
@@ -140,6 +152,7 @@ Verb addPredict(CLI::App& program) {
                    "For --method front: ways shorter than this, metres, are part of the one they "
                    "leave")
       ->capture_default_str();
+  addLinksOption(*verb, options->links);
   verb->add_option(
           "--format", options->format,
           "json, graphml (yEd, Gephi, networkx), dot (Graphviz) or svg (a plan); by default what "
