@@ -21,14 +21,6 @@ Check outOfRange(std::string message) {
   return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
 }
 
-Check checkCost(float cost) {
-  if ((cost >= 1.0f && cost <= kHighestCost) || cost == kClosed) return {};  // false for NaN
-  return outOfRange(
-      fmt::format("polygon states: a cost of {:g} cannot work: give 1 to {:g}, or infinity to "
-                  "close.",
-                  cost, kHighestCost));
-}
-
 std::uint32_t openNeighboursOf(const NavGraph& graph, const PolygonStates& states,
                                std::uint32_t polygon) {
   const PolygonId* begin = graph.portalTo.data() + graph.portalStart[polygon];
@@ -122,6 +114,14 @@ Check checkArea(const PlanArea& area, std::size_t number) {
 
 }  // namespace
 
+Check checkCost(float cost) {
+  if ((cost >= 1.0f && cost <= kHighestCost) || cost == kClosed) return {};  // false for NaN
+  return outOfRange(
+      fmt::format("polygon states: a cost of {:g} cannot work: give 1 to {:g}, or infinity to "
+                  "close.",
+                  cost, kHighestCost));
+}
+
 std::vector<PolygonId> polygonsIn(const NavGraph& graph, const PlanArea& area) {
   std::vector<PolygonId> found;
   for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
@@ -157,7 +157,8 @@ void setLinks(const NavGraph& graph, Links links, PolygonStates& states) {
 }
 
 tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
-                                                     std::span<const AreaCost> areas, Links links) {
+                                                     std::span<const AreaCost> areas, Links links,
+                                                     std::span<const PolygonCost> more) {
   PolygonStates states;
   states.links = std::move(links);
   for (std::size_t i = 0; i < areas.size(); ++i) {
@@ -169,6 +170,12 @@ tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
       float& cost = states.cost[index(polygon)];
       cost = std::max(cost, areas[i].cost);
     }
+  }
+  for (const PolygonCost& one : more) {
+    if (one.cost == 1.0f) continue;
+    if (states.cost.empty()) states.cost.assign(graph.polygonCount(), 1.0f);
+    float& cost = states.cost[index(one.polygon)];
+    cost = std::max(cost, one.cost);
   }
   settle(graph, states);
   return states;

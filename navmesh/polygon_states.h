@@ -63,6 +63,17 @@ struct AreaCost {
   bool operator==(const AreaCost&) const = default;
 };
 
+/// A polygon and what it costs.
+struct PolygonCost {
+  PolygonId polygon;
+  float cost;
+
+  bool operator==(const PolygonCost&) const = default;
+};
+
+/// Fails when a cost is neither 1 to kHighestCost nor kClosed (kSettingOutOfRange).
+[[nodiscard]] tl::expected<void, Error> checkCost(float cost);
+
 /// The polygons whose centroid lies in the area, border included, ascending. A polygon that only
 /// reaches into it is not named: cut the ground along the outline when it is built (LiveMesh does)
 /// and polygons lie on one side or the other. O(polygons * corners).
@@ -80,14 +91,15 @@ std::vector<PolygonId> polygonsIn(const NavGraph& graph, const PlanArea& area);
 /// O(half-portals).
 void setLinks(const NavGraph& graph, Links links, PolygonStates& states);
 
-/// The states of a graph whose areas have these costs, with its links. Where areas overlap the
-/// higher cost counts, so their order does not matter. All at cost 1, or none, and no links: empty.
+/// The states of a graph whose areas have these costs, with its links, and `more` polygons (of the
+/// graph, with sound costs; standing.h finds some). Where they overlap the higher cost counts, so
+/// their order does not matter. All at cost 1, or none, and no links: empty.
 ///
 /// Fails when a cost is neither 1 to kHighestCost nor kClosed, or an area has fewer than 3 corners,
 /// a number that is not finite, or is not convex and counter-clockwise (1 mm) (kSettingOutOfRange,
 /// naming which). O(areas * polygons * corners + half-portals).
-[[nodiscard]] tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
-                                                                   std::span<const AreaCost> areas,
-                                                                   Links links = {});
+[[nodiscard]] tl::expected<PolygonStates, Error> makePolygonStates(
+    const NavGraph& graph, std::span<const AreaCost> areas, Links links = {},
+    std::span<const PolygonCost> more = {});
 
 }  // namespace forewalk::navmesh

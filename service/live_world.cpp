@@ -154,6 +154,60 @@ void LiveWorld::removeArea(AreaId id) {
   }
 }
 
+tl::expected<void, Error> LiveWorld::setLink(const navmesh::Link& link) {
+  const Lock lock(versionMutex_);
+  const navmesh::World& world = *newest_.world;
+  if (auto alone = navmesh::makeLinks(world.graph, world.locations, {&link, 1}); !alone) {
+    return tl::unexpected(alone.error());
+  }
+  const auto before = links_.find(link.id);
+  std::optional<navmesh::Link> old;
+  if (before != links_.end()) old = before->second;
+  links_.insert_or_assign(link.id, link);
+  auto published = publish(newest_.world);
+  if (!published) {
+    links_.erase(link.id);
+    if (old) links_.emplace(link.id, *old);
+  }
+  return published;
+}
+
+void LiveWorld::removeLink(navmesh::LinkId id) {
+  const Lock lock(versionMutex_);
+  if (links_.erase(id) == 0) return;
+  if (auto published = publish(newest_.world); !published) {
+    status_.failure = published.error().message;
+  }
+}
+
+tl::expected<bool, Error> LiveWorld::setStanding(std::span<const navmesh::Standing> standing) {
+  for (const navmesh::Standing& one : standing) {
+    if (auto valid = navmesh::validate(one); !valid) return tl::unexpected(valid.error());
+  }
+  const Lock lock(versionMutex_);
+  standing_.assign(standing.begin(), standing.end());
+  if (blockedIn(*newest_.world) == blocked_) return false;
+  if (auto published = publish(newest_.world); !published) {
+    return tl::unexpected(published.error());
+  }
+  return true;
+}
+
+/// Each polygon once, at its highest cost: whoever stands behind another changes nothing.
+std::vector<navmesh::PolygonCost> LiveWorld::blockedIn(const navmesh::World& world) const {
+  std::vector<navmesh::PolygonCost> blocked;
+  for (const navmesh::Standing& one : standing_) {
+    navmesh::blockedBy(world.graph, world.locations, one, blocked);
+  }
+  std::sort(blocked.begin(), blocked.end(), [](const auto& a, const auto& b) {
+    return a.polygon != b.polygon ? a.polygon < b.polygon : a.cost > b.cost;
+  });
+  blocked.erase(std::unique(blocked.begin(), blocked.end(),
+                            [](const auto& a, const auto& b) { return a.polygon == b.polygon; }),
+                blocked.end());
+  return blocked;
+}
+
 WorldReader LiveWorld::reader() { return add(std::nullopt, prediction::Method::kPolygon); }
 
 WorldReader LiveWorld::readerForSession(const prediction::PredictionLimits& limits,
@@ -242,8 +296,16 @@ void LiveWorld::apply(const std::vector<navmesh::ObstacleChange>& changes) {
 tl::expected<void, Error> LiveWorld::publish(std::shared_ptr<const navmesh::World> world) {
   std::vector<navmesh::AreaCost> areas;
   for (const auto& [id, area] : areas_) areas.push_back(area);
-  auto states = navmesh::makePolygonStates(world->graph, areas);
+  std::vector<navmesh::Link> list;
+  for (const auto& [id, link] : links_) list.push_back(link);
+  std::vector<navmesh::LinkId> groundless;
+  auto links = navmesh::makeLinks(world->graph, world->locations, list, &groundless);
+  if (!links) return tl::unexpected(links.error());
+  std::vector<navmesh::PolygonCost> blocked = blockedIn(*world);
+  auto states = navmesh::makePolygonStates(world->graph, areas, std::move(*links), blocked);
   if (!states) return tl::unexpected(states.error());
+  blocked_ = std::move(blocked);
+  status_.linksWithoutGround = static_cast<std::uint32_t>(groundless.size());
   if (world != newest_.world) frontIndex_ = nullptr;
   newest_ = {newest_.number + 1, std::move(world),
              std::make_shared<const navmesh::PolygonStates>(std::move(*states))};

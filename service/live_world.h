@@ -22,7 +22,9 @@
 #include <vector>
 
 #include "navmesh/build/live_mesh.h"
+#include "navmesh/links.h"
 #include "navmesh/polygon_states.h"
+#include "navmesh/standing.h"
 #include "navmesh/world.h"
 #include "rdw/session.h"
 
@@ -76,10 +78,11 @@ struct LiveWorldSettings {
 
 /// How the last change went.
 struct LiveWorldStatus {
-  std::uint64_t version = 0;     ///< number of the newest version
-  std::uint32_t tilesBuilt = 0;  ///< for the last change of obstacles
-  double seconds = 0.0;          ///< from taking it up to its publication
-  std::string failure;           ///< why the last one was not applied; empty where it was
+  std::uint64_t version = 0;             ///< number of the newest version
+  std::uint32_t tilesBuilt = 0;          ///< for the last change of obstacles
+  double seconds = 0.0;                  ///< from taking it up to its publication
+  std::uint32_t linksWithoutGround = 0;  ///< in the newest version
+  std::string failure;                   ///< why the last one was not applied; empty where it was
 };
 
 /// Its functions may be called from any thread, but not from a frame: they lock, for as long as a
@@ -107,6 +110,22 @@ class LiveWorld {
   /// Forgets an area: its ground is open again, where no other area holds it.
   void removeArea(AreaId id);
 
+  /// Puts a link (lift, ladder, teleport) or puts it elsewhere, opens or closes it; published when
+  /// the call returns. Its ends are found again in every world; one without ground there, where an
+  /// obstacle stands, leads nowhere until it has ground again (LiveWorldStatus).
+  /// Fails as navmesh::makeLinks does, also where an end is off the ground now.
+  [[nodiscard]] tl::expected<void, Error> setLink(const navmesh::Link& link);
+
+  /// Forgets a link.
+  void removeLink(navmesh::LinkId id);
+
+  /// Who stands where, all of them, in the place of those before (navmesh/standing.h). Published
+  /// when the call returns, where they block other polygons than before, or at another cost; else
+  /// nothing is done, which costs some microseconds for ten. Found again in every world. True where
+  /// a version was published.
+  /// Fails as navmesh::validate(Standing) does; then all stay where they were.
+  [[nodiscard]] tl::expected<bool, Error> setStanding(std::span<const navmesh::Standing> standing);
+
   /// A reader that has the newest version.
   WorldReader reader();
 
@@ -129,6 +148,7 @@ class LiveWorld {
   tl::expected<void, Error> publish(std::shared_ptr<const navmesh::World> world);
   void deliver(WorldSlot& slot);
   bool collect();
+  std::vector<navmesh::PolygonCost> blockedIn(const navmesh::World& world) const;
 
   // Changes on their way to the thread.
   mutable std::mutex changesMutex_;
@@ -142,6 +162,9 @@ class LiveWorld {
   WorldVersion newest_;
   std::shared_ptr<const prediction::FrontIndex> frontIndex_;  // of its world, once it was needed
   std::map<AreaId, navmesh::AreaCost> areas_;
+  std::map<navmesh::LinkId, navmesh::Link> links_;
+  std::vector<navmesh::Standing> standing_;
+  std::vector<navmesh::PolygonCost> blocked_;  // by them, in the newest world
   std::vector<std::shared_ptr<WorldSlot>> slots_;
   LiveWorldStatus status_;
 
