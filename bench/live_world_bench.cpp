@@ -168,6 +168,37 @@ void measurePublication(const std::string& name, const navmesh::Scene& scene, in
   std::fflush(stdout);
 }
 
+/// Ten people who walk about: what telling LiveWorld costs, where nothing changes and where it
+/// does.
+void measureStanding(const std::string& name, const navmesh::Scene& scene, int moves) {
+  service::LiveWorldSettings settings;
+  settings.build.tile = 6.0f;
+  const auto live = service::LiveWorld::make(scene, settings);
+  if (!live) {
+    fmt::print(stderr, "{}\n", live.error().message);
+    return;
+  }
+  service::WorldReader reader = (*live)->reader();
+  std::mt19937_64 rng(3);
+  std::vector<navmesh::Standing> people(10);
+  std::vector<double> same, news;
+  for (int i = 0; i < 20 * moves; ++i) {
+    navmesh::Standing& one = people[static_cast<std::size_t>(navmesh::uniformInt(rng, 10))];
+    one.foot = somewhere(*reader.version().world, rng);
+    const double before = processorMilliseconds();
+    const auto published = (*live)->setStanding(people);
+    const double microseconds = 1e3 * (processorMilliseconds() - before);
+    if (!published) return;
+    (*published ? news : same).push_back(microseconds);
+    reader.update();
+  }
+  fmt::print(
+      "{:<14} {:7.2f} {:7.2f} | {:7.2f} {:7.2f} | {:5.1f} %\n", name, medianOf(same),
+      quantileOf(same, 0.99), medianOf(news), quantileOf(news, 0.99),
+      100.0 * static_cast<double>(news.size()) / static_cast<double>(news.size() + same.size()));
+  std::fflush(stdout);
+}
+
 }  // namespace
 }  // namespace forewalk::bench
 
@@ -214,4 +245,12 @@ int main(int argc, char** argv) {
     bench::measurePublication(name, bench::sceneOf(scenes + name + ".obj"), moves);
   }
   bench::measurePublication("campus", campus, moves / 4);
+
+  fmt::print("\nten people stand about, one of them elsewhere (LiveWorld::setStanding)\n\n");
+  fmt::print("{:<14} {:^15} | {:^15} | of the moves\n", "", "no news, us", "published, us");
+  fmt::print("{:<14} {:>7} {:>7} | {:>7} {:>7} |\n", "scene", "median", "p99", "median", "p99");
+  for (const std::string name : {"office", "museum", "two_storey", "maze"}) {
+    bench::measureStanding(name, bench::sceneOf(scenes + name + ".obj"), moves);
+  }
+  bench::measureStanding("campus", campus, moves / 4);
 }

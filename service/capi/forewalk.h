@@ -318,7 +318,9 @@ enum {
   FOREWALK_FLAG_BORDER_NEAR = 1 << 9,          /* a reset is about to be needed */
   FOREWALK_FLAG_OFF_NAVMESH = 1 << 10, /* no walkable floor near: the last place was taken */
   FOREWALK_FLAG_SNAPPED = 1 << 11,     /* beside the navmesh: its nearest point was taken */
-  FOREWALK_FLAG_GRAPH_LIMIT = 1 << 12  /* raise polygon_limit or shorten the horizon */
+  FOREWALK_FLAG_GRAPH_LIMIT = 1 << 12, /* raise polygon_limit or shorten the horizon */
+  FOREWALK_FLAG_GROUND_TAKEN = 1 << 13 /* the world changed under the user, who stands where no
+                                          floor is left and was put on the nearest */
 };
 
 typedef struct forewalk_frame_out {

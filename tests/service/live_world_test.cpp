@@ -426,5 +426,78 @@ TEST(LiveWorld, ShowsOnlyWholeChangesToReadersThatWalkMeanwhile) {
   EXPECT_EQ(alive(), 0u);
 }
 
+TEST(LiveWorld, ClosesADoorwayAtOnceForWhoeverStandsInIt) {
+  const auto live = made();
+  WorldReader reader = live->reader();
+  const auto before = live->status();
+  const navmesh::Standing away{kLeft, 0.6f};
+  EXPECT_FALSE(*live->setStanding(std::vector{away})) << "in the room nobody is in the way";
+  EXPECT_EQ(live->status().version, before.version);
+  const navmesh::Standing inDoor{{6.1f, 0.0f, 2.0f}, 0.6f};
+  ASSERT_TRUE(*live->setStanding(std::vector{away, inDoor}));
+  ASSERT_TRUE(reader.update());
+  EXPECT_FALSE(reader.version().states->allOpen());
+  const std::shared_ptr<const navmesh::World> world = reader.version().world;
+  const auto closed = [&] {
+    std::size_t count = 0;
+    for (std::uint32_t p = 0; p < world->graph.polygonCount(); ++p) {
+      count += reader.version().states->isClosed(navmesh::PolygonId{p});
+    }
+    return count;
+  };
+  EXPECT_GT(closed(), 0u);
+  // Shifting from one foot to the other is no news.
+  navmesh::Standing shifted = inDoor;
+  shifted.foot.z += 0.01f;
+  EXPECT_FALSE(*live->setStanding(std::vector{shifted, away}));
+  navmesh::Standing priced = inDoor;
+  priced.cost = 5.0f;
+  ASSERT_TRUE(*live->setStanding(std::vector{priced}));
+  ASSERT_TRUE(reader.update());
+  EXPECT_EQ(closed(), 0u);
+  EXPECT_FALSE(reader.version().states->allOpen());
+  ASSERT_TRUE(*live->setStanding({}));
+  ASSERT_TRUE(reader.update());
+  EXPECT_TRUE(reader.version().states->allOpen());
+  EXPECT_EQ(reader.version().world, world) << "no tile was built";
+  priced.radius = -1.0f;
+  EXPECT_THAT(live->setStanding(std::vector{priced}).error().message, HasSubstr("radius"));
+}
+
+TEST(LiveWorld, FindsItsLinksAgainInEveryWorld) {
+  const auto live = made();
+  WorldReader reader = live->reader();
+  const navmesh::Link lift{navmesh::LinkId{5}, kLeft, kRight, 2.0f, true, true};
+  ASSERT_TRUE(live->setLink(lift));
+  ASSERT_TRUE(reader.update());
+  EXPECT_EQ(reader.version().states->links.ways.size(), 2u);
+  navmesh::Link off = lift;
+  off.id = navmesh::LinkId{6};
+  off.exit = {90.0f, 0.0f, 0.0f};
+  EXPECT_THAT(live->setLink(off).error().message, HasSubstr("link 6: its exit"));
+  // An obstacle elsewhere, and one on its end.
+  ASSERT_TRUE(live->change(std::vector{put(1, {3.0f, 0.0f, 3.3f})}));
+  live->waitUntilDone();
+  ASSERT_TRUE(reader.update());
+  EXPECT_EQ(reader.version().states->links.ways.size(), 2u);
+  EXPECT_EQ(live->status().linksWithoutGround, 0u);
+  ASSERT_TRUE(live->change(std::vector{put(1, kLeft, 0.8f)}));
+  live->waitUntilDone();
+  ASSERT_TRUE(reader.update());
+  EXPECT_TRUE(reader.version().states->links.empty());
+  EXPECT_EQ(live->status().linksWithoutGround, 1u);
+  ASSERT_TRUE(live->change(std::vector{gone(1)}));
+  live->waitUntilDone();
+  ASSERT_TRUE(reader.update());
+  EXPECT_EQ(reader.version().states->links.ways.size(), 2u);
+  navmesh::Link shut = lift;
+  shut.open = false;
+  ASSERT_TRUE(live->setLink(shut));
+  ASSERT_TRUE(reader.update());
+  EXPECT_TRUE(reader.version().states->allOpen());
+  live->removeLink(lift.id);
+  ASSERT_TRUE(reader.update());
+}
+
 }  // namespace
 }  // namespace forewalk::service
