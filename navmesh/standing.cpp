@@ -45,7 +45,8 @@ class Blocking {
   bool blocks() const {
     const std::uint32_t begin = graph_.portalStart[index(polygon_)];
     const std::uint32_t end = graph_.portalStart[index(polygon_) + 1];
-    if (end - begin < 2 || !touches()) return false;  // nobody passes through a dead end
+    if (end == begin || !touches()) return false;
+    if (end - begin == 1) return isCovered(begin);  // a dead end: whether nobody comes in
     for (std::uint32_t one = begin; one < end; ++one) {
       for (std::uint32_t other = one + 1; other < end; ++other) {
         if (connects(one, other)) return false;
@@ -82,6 +83,11 @@ class Blocking {
     };
     const Portal& ends = graph_.portals[portal];
     return {unlessCovered(ends.left), unlessCovered(ends.right)};
+  }
+
+  bool isCovered(std::uint32_t portal) const {
+    const auto ends = freeEnds(portal);
+    return std::isnan(ends[0].x) && std::isnan(ends[1].x);
   }
 
   bool isCovered(glm::vec2 from, glm::vec2 to) const {

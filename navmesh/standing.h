@@ -2,9 +2,10 @@
 //
 // A disc blocks a polygon where nobody comes from one of its portals to another past it: the
 // polygon is convex, so what is left of it falls into as many pieces as what is left of its border.
-// Somebody in the middle of a room blocks nothing; in a doorway, the doorway's polygons. Each disc
-// is looked at alone: two people who close a gate together only leave it open. For what stays,
-// geometry is exact: carve an obstacle (build/live_mesh.h).
+// A dead end is blocked where its portal is covered. Somebody in the middle of a room blocks
+// nothing; in a doorway, the doorway's polygons. Each disc is looked at alone: two people who close
+// a gate together only leave it open. For what stays, geometry is exact: carve an obstacle
+// (build/live_mesh.h).
 #pragma once
 
 #include <glm/glm.hpp>

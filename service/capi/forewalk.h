@@ -450,6 +450,48 @@ typedef struct forewalk_graph_view {
  * for null pointers and a wrong struct_size. */
 FOREWALK_API forewalk_status forewalk_graph(forewalk_session* session, forewalk_graph_view* view);
 
+/* ---- worlds that move ----------------------------------------------------------------------- */
+
+/* The three calls below come between frames, on the session's thread, and allocate. */
+
+/* A way that is not floor: a lift, a ladder, a teleport. Graphs by _METHOD_POLYGON lead through it:
+ * to the entry, `length` metres, and on from the exit. In an edge's path its two ends follow each
+ * other. Graphs by _METHOD_FRONT do not yet. */
+typedef struct forewalk_link {
+  uint32_t id;               /* one of its own */
+  forewalk_vec3 entry, exit; /* within 0.5 m of the floor, in the session's axes */
+  float length;              /* metres of walking that it counts for, 0 to 10000 */
+  int32_t both_ways;         /* 1: the exit is an entry as well */
+  int32_t closed;            /* 1: as if it were not there */
+} forewalk_link;
+
+/* Puts these links in the place of those before; `count` 0: none. Fails, and changes nothing, with
+ * FOREWALK_ERROR_POSITION_OFF_NAVMESH where an end is off the floor, _SETTING_OUT_OF_RANGE for a
+ * length or a doubled id, _DATA_DAMAGED for a number that is not finite. Costs O(polygons). */
+FOREWALK_API forewalk_status forewalk_session_set_links(forewalk_session* session,
+                                                        const forewalk_link* links, size_t count);
+
+/* Somebody who stands somewhere. Polygons that nobody can cross past them are closed, or cost
+ * more; in the middle of a room they block none. */
+typedef struct forewalk_standing {
+  forewalk_vec3 foot; /* in the session's axes */
+  float radius;       /* of the floor that others cannot use: theirs and the walker's, > 0, metres */
+  float cost;         /* 0: closed; else 1 to 1e6 metres for each metre through the polygon */
+} forewalk_standing;
+
+/* Says who stands where, all of them, in the place of those before. Fails, and changes nothing,
+ * where a number is out of range. Costs O(polygons), 10 to 20 us for an office floor. */
+FOREWALK_API forewalk_status forewalk_session_set_standing(forewalk_session* session,
+                                                           const forewalk_standing* standing,
+                                                           size_t count);
+
+/* Goes on in another navmesh of the same building (a door closed, an obstacle came), where the user
+ * stays at the same place of virtual space. Whose floor is no longer there is put on the nearest,
+ * and frames say FOREWALK_FLAG_GROUND_TAKEN until they are on the floor again. Links and people
+ * standing are found again; a link without floor leads nowhere. Costs O(polygons). */
+FOREWALK_API forewalk_status forewalk_session_enter(forewalk_session* session,
+                                                    const forewalk_navmesh* navmesh);
+
 #ifdef __cplusplus
 }
 #endif

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "navmesh/standing.h"
 #include "rdw/frame_flags.h"
 #include "service/capi/axes.h"
 #include "service/capi/flat_graph.h"
@@ -21,6 +22,8 @@ struct forewalk_session {
               session.settings().method) {}
 
   forewalk::rdw::Session session;
+  std::vector<forewalk::navmesh::Link> links;
+  std::vector<forewalk::navmesh::Standing> standing;
   forewalk_axes axes;
   forewalk::capi::FlatGraph graph;
   bool graphIsThisFrames = false;
@@ -43,6 +46,7 @@ static_assert(FOREWALK_FLAG_OUTSIDE_SPACE == static_cast<int>(rdw::kOutsideSpace
 static_assert(FOREWALK_FLAG_BORDER_NEAR == static_cast<int>(rdw::kBorderNear));
 static_assert(FOREWALK_FLAG_OFF_NAVMESH == static_cast<int>(rdw::kOffNavMesh));
 static_assert(FOREWALK_FLAG_SNAPPED == static_cast<int>(rdw::kSnapped));
+static_assert(FOREWALK_FLAG_GROUND_TAKEN == static_cast<int>(rdw::kGroundTaken));
 static_assert(FOREWALK_FLAG_GRAPH_LIMIT == static_cast<int>(rdw::kGraphLimit));
 static_assert(FOREWALK_INSTRUCTION_NONE == static_cast<int>(rdw::ResetInstruction::kNone));
 static_assert(FOREWALK_INSTRUCTION_TURN_AROUND ==
@@ -236,6 +240,22 @@ forewalk_frame_out frameOut(forewalk_axes axes, const rdw::FrameResult& result) 
   return out;
 }
 
+/// What is known of a world beside its floor. With `groundless`, links whose ground has gone lead
+/// nowhere.
+tl::expected<std::shared_ptr<const navmesh::PolygonStates>, Error> statesOf(
+    const navmesh::World& world, const std::vector<navmesh::Link>& list,
+    const std::vector<navmesh::Standing>& standing, std::vector<navmesh::LinkId>* groundless) {
+  auto links = navmesh::makeLinks(world.graph, world.locations, list, groundless);
+  if (!links) return tl::unexpected(links.error());
+  std::vector<navmesh::PolygonCost> blocked;
+  for (const navmesh::Standing& one : standing) {
+    navmesh::blockedBy(world.graph, world.locations, one, blocked);
+  }
+  auto states = navmesh::makePolygonStates(world.graph, {}, std::move(*links), blocked);
+  if (!states) return tl::unexpected(states.error());
+  return std::make_shared<const navmesh::PolygonStates>(std::move(*states));
+}
+
 }  // namespace
 
 }  // namespace forewalk::capi
@@ -320,6 +340,74 @@ forewalk_status forewalk_session_teleport(forewalk_session* session, forewalk_ve
                 "forewalk_session_teleport: (" + std::to_string(floor.x) + ", " +
                     std::to_string(floor.y) + ", " + std::to_string(floor.z) +
                     ") is not within 0.5 m of a walkable floor. Give a point on the floor.");
+  });
+}
+
+forewalk_status forewalk_session_set_links(forewalk_session* session, const forewalk_link* links,
+                                           size_t count) {
+  if (session == nullptr || (links == nullptr && count > 0)) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT,
+                       "forewalk_session_set_links: session or links is null.");
+  }
+  return guarded([&]() -> forewalk_status {
+    std::vector<navmesh::Link> list;
+    for (size_t i = 0; i < count; ++i) {
+      const forewalk_link& one = links[i];
+      list.push_back({navmesh::LinkId{one.id}, positionFrom(session->axes, one.entry),
+                      positionFrom(session->axes, one.exit), one.length, one.both_ways != 0,
+                      one.closed == 0});
+    }
+    const navmesh::World& world = session->session.world();
+    auto states = statesOf(world, list, session->standing, nullptr);
+    if (!states) return fail(states.error());
+    session->links = std::move(list);
+    session->session.setStates(*states);
+    return FOREWALK_OK;
+  });
+}
+
+forewalk_status forewalk_session_set_standing(forewalk_session* session,
+                                              const forewalk_standing* standing, size_t count) {
+  if (session == nullptr || (standing == nullptr && count > 0)) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT,
+                       "forewalk_session_set_standing: session or standing is null.");
+  }
+  return guarded([&]() -> forewalk_status {
+    std::vector<navmesh::Standing> people;
+    for (size_t i = 0; i < count; ++i) {
+      const float cost = standing[i].cost == 0.0f ? navmesh::kClosed : standing[i].cost;
+      people.push_back({positionFrom(session->axes, standing[i].foot), standing[i].radius, cost});
+      if (auto valid = navmesh::validate(people.back()); !valid) return fail(valid.error());
+    }
+    std::vector<navmesh::LinkId> groundless;
+    auto states = statesOf(session->session.world(), session->links, people, &groundless);
+    if (!states) return fail(states.error());
+    session->standing = std::move(people);
+    session->session.setStates(*states);
+    return FOREWALK_OK;
+  });
+}
+
+forewalk_status forewalk_session_enter(forewalk_session* session, const forewalk_navmesh* navmesh) {
+  if (session == nullptr || navmesh == nullptr) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT,
+                       "forewalk_session_enter: session or navmesh is null.");
+  }
+  return guarded([&]() -> forewalk_status {
+    const rdw::SessionSettings& settings = session->session.settings();
+    const bool byFronts = settings.method == prediction::Method::kFront;
+    rdw::PreparedWorld next =
+        rdw::prepareWorld(navmesh->world, settings.prediction, settings.method,
+                          byFronts ? navmesh->frontIndex() : nullptr);
+    std::vector<navmesh::LinkId> groundless;
+    auto states = statesOf(*navmesh->world, session->links, session->standing, &groundless);
+    if (!states) return fail(states.error());
+    FlatGraph graph(navmesh->world->graph, settings.prediction.polygons, settings.method);
+    next.states = std::move(*states);
+    session->session.enter(next);
+    session->graph = std::move(graph);
+    session->graphIsThisFrames = false;
+    return FOREWALK_OK;
   });
 }
 
