@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <string>
 #include <utility>
 
+#include "navmesh/graph_rows.h"
 #include "navmesh/plan.h"
 
 namespace forewalk::navmesh {
@@ -179,6 +181,39 @@ tl::expected<PolygonStates, Error> makePolygonStates(const NavGraph& graph,
   }
   settle(graph, states);
   return states;
+}
+
+NavGraph openPart(const NavGraph& graph, const PolygonStates& states) {
+  NavGraph open = graph;
+  std::vector<std::uint32_t> kept(graph.portalCount(), graph.portalCount());  // number in `open`
+  std::uint32_t count = 0;
+  for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
+    open.portalStart[p] = count;
+    for (std::uint32_t h = graph.portalStart[p]; h < graph.portalStart[p + 1]; ++h) {
+      if (states.isClosed(PolygonId{p}) || states.isClosed(graph.portalTo[h])) continue;
+      open.portalTo[count] = graph.portalTo[h];
+      open.portalToCentroid[count] = graph.portalToCentroid[h];
+      open.portalMidpoint[count] = graph.portalMidpoint[h];
+      open.portals[count] = graph.portals[h];
+      open.portalTwin[count] = graph.portalTwin[h];
+      open.portalEdge[count] = graph.portalEdge[h];
+      open.portalHeights[count] = graph.portalHeights[h];
+      kept[h] = count++;
+    }
+  }
+  open.portalStart.back() = count;
+  open.portalTo.resize(count);
+  open.portalToCentroid.resize(count);
+  open.portalMidpoint.resize(count);
+  open.portals.resize(count);
+  open.portalTwin.resize(count);
+  open.portalEdge.resize(count);
+  open.portalHeights.resize(count);
+  for (std::uint32_t& twin : open.portalTwin) twin = kept[twin];
+  // Fewer ways through polygons than before, so that there is nothing to fail.
+  [[maybe_unused]] const auto completed = completeRows(open);
+  assert(completed);
+  return open;
 }
 
 }  // namespace forewalk::navmesh

@@ -87,6 +87,10 @@ std::vector<PolygonId> polygonsIn(const NavGraph& graph, const PlanArea& area);
                                                 std::span<const PolygonId> polygons, float cost,
                                                 PolygonStates& states);
 
+/// The graph without the portals into and out of what is closed: polygons keep their numbers, and
+/// what is closed has no neighbours. For searches that know of no states. O(half-portals).
+NavGraph openPart(const NavGraph& graph, const PolygonStates& states);
+
 /// Puts links that were made for `graph` into `states`, in the place of those before.
 /// O(half-portals).
 void setLinks(const NavGraph& graph, Links links, PolygonStates& states);

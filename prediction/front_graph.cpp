@@ -1,22 +1,32 @@
 #include "prediction/front_graph.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace forewalk::prediction {
 
 using navmesh::NavGraph;
 
-FrontIndex makeFrontIndex(const NavGraph& graph) {
+FrontIndex makeFrontIndex(const NavGraph& graph, const navmesh::PolygonStates* states) {
   FrontIndex index;
-  index.ends = makePortalEnds(graph);
-  index.cells = makeCellMesh(graph, index.ends);
+  const auto isClosed = [](float cost) { return cost == navmesh::kClosed; };
+  if (states != nullptr && std::any_of(states->cost.begin(), states->cost.end(), isClosed)) {
+    for (const float cost : states->cost) index.closed.push_back(isClosed(cost));
+    index.open = std::make_shared<const NavGraph>(navmesh::openPart(graph, *states));
+  }
+  const NavGraph& open = index.open != nullptr ? *index.open : graph;
+  index.ends = makePortalEnds(open);
+  index.cells = makeCellMesh(open, index.ends);
   return index;
 }
 
 FrontScratch::FrontScratch(const NavGraph& graph, const FrontIndex& index,
                            const DistanceLimits& limits)
-    : field_(graph, index.ends, limits), sweep_(graph, index.ends, index.cells, limits.windows) {
+    : index_(&index),
+      navGraph_(index.open != nullptr ? index.open.get() : &graph),
+      field_(*navGraph_, index.ends, limits),
+      sweep_(*navGraph_, index.ends, index.cells, limits.windows) {
   // Hardly more than one node a polygon.
   const std::size_t polygons = 64 + std::min<std::size_t>(graph.polygonCount(), limits.windows);
   ways_.reserve(polygons);
@@ -320,7 +330,38 @@ class FrontAssembly {
   float persistence_;
 };
 
-const PredictionGraph& predictFronts(const NavGraph& navGraph, const navmesh::Location& source,
+namespace {
+
+/// The nearest place of a portal that leads from the polygon of `source`, which is closed, to one
+/// that is not; in no polygon where there is none.
+navmesh::Location wayOut(const NavGraph& all, const std::vector<bool>& closed,
+                         const navmesh::Location& source) {
+  navmesh::Location out = source;
+  out.polygon = navmesh::kNoPolygon;
+  float nearest = std::numeric_limits<float>::infinity();
+  const std::uint32_t from = index(source.polygon);
+  for (std::uint32_t h = all.portalStart[from]; h < all.portalStart[from + 1]; ++h) {
+    if (closed[index(all.portalTo[h])]) continue;
+    const navmesh::Portal& portal = all.portals[h];
+    const glm::vec2 along = portal.left - portal.right;
+    const float squared = glm::dot(along, along);
+    const float share =
+        squared > 0.0f
+            ? std::clamp(glm::dot(source.plan - portal.right, along) / squared, 0.0f, 1.0f)
+            : 0.0f;
+    const glm::vec2 place = portal.right + share * along;
+    const float apart = glm::distance(place, source.plan);
+    if (apart >= nearest) continue;
+    nearest = apart;
+    out.polygon = all.portalTo[h];
+    out.plan = place;
+  }
+  return out;
+}
+
+}  // namespace
+
+const PredictionGraph& predictFronts(const NavGraph& navGraph, const navmesh::Location& place,
                                      float horizon, FrontScratch& scratch,
                                      const FrontSettings& settings) {
   PredictionGraph& graph = scratch.graph_;
@@ -328,14 +369,19 @@ const PredictionGraph& predictFronts(const NavGraph& navGraph, const navmesh::Lo
   graph.method = Method::kFront;
   graph.horizon = horizon > 0.0f ? horizon : 0.0f;
   graph.completeTo = graph.horizon;
-  graph.source = source;
+  graph.source = place;
+  navmesh::Location source = place;
+  const std::vector<bool>& closed = scratch.index_->closed;
+  if (index(place.polygon) < closed.size() && closed[index(place.polygon)]) {
+    source = wayOut(navGraph, closed, place);
+  }
   if (index(source.polygon) >= navGraph.polygonCount()) {
     sourceAlone(graph);
     return graph;
   }
   scratch.field_.run(source, graph.horizon);
   scratch.sweep_.run(scratch.field_, source, graph.horizon);
-  FrontAssembly(navGraph, scratch, settings).assemble();
+  FrontAssembly(*scratch.navGraph_, scratch, settings).assemble();
   graph.stats.settled = static_cast<std::uint32_t>(scratch.field_.polygons().size());
   graph.stats.expanded = graph.stats.settled;
   if (scratch.field_.limitReached()) {

@@ -33,17 +33,20 @@ prediction::DistanceLimits distanceLimits(const navmesh::World& world,
 
 }  // namespace
 
-std::shared_ptr<const prediction::FrontIndex> makeFrontIndex(const navmesh::World& world) {
-  return std::make_shared<const prediction::FrontIndex>(prediction::makeFrontIndex(world.graph));
+std::shared_ptr<const prediction::FrontIndex> makeFrontIndex(const navmesh::World& world,
+                                                             const navmesh::PolygonStates* states) {
+  return std::make_shared<const prediction::FrontIndex>(
+      prediction::makeFrontIndex(world.graph, states));
 }
 
 PreparedWorld prepareWorld(std::shared_ptr<const navmesh::World> world,
                            const prediction::PredictionLimits& limits, prediction::Method method,
-                           std::shared_ptr<const prediction::FrontIndex> frontIndex) {
+                           std::shared_ptr<const prediction::FrontIndex> frontIndex,
+                           std::shared_ptr<const navmesh::PolygonStates> states) {
   assert(world != nullptr);
   PreparedWorld prepared;
   if (method == prediction::Method::kFront) {
-    if (frontIndex == nullptr) frontIndex = makeFrontIndex(*world);
+    if (frontIndex == nullptr) frontIndex = makeFrontIndex(*world, states.get());
     prepared.frontScratch = std::make_unique<prediction::FrontScratch>(
         world->graph, *frontIndex, distanceLimits(*world, limits));
     prepared.frontIndex = std::move(frontIndex);
@@ -51,6 +54,7 @@ PreparedWorld prepareWorld(std::shared_ptr<const navmesh::World> world,
     prepared.scratch = std::make_unique<prediction::Scratch>(world->graph, limits);
   }
   prepared.world = std::move(world);
+  prepared.states = std::move(states);
   return prepared;
 }
 
@@ -62,11 +66,12 @@ Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings se
       tracker_(settings_.motion),
       reset_(settings_.reset) {
   PreparedWorld prepared = prepareWorld(world_, settings_.prediction, settings_.method,
-                                        std::exchange(settings_.frontIndex, nullptr));
+                                        std::exchange(settings_.frontIndex, nullptr),
+                                        std::exchange(settings_.states, nullptr));
   scratch_ = std::move(prepared.scratch);
   frontIndex_ = std::move(prepared.frontIndex);
   frontScratch_ = std::move(prepared.frontScratch);
-  states_ = std::exchange(settings_.states, nullptr);
+  states_ = std::move(prepared.states);
 }
 
 Session::Session(Session&&) noexcept = default;
@@ -162,6 +167,7 @@ void Session::enter(PreparedWorld& next) {
 }
 
 void Session::setStates(std::shared_ptr<const navmesh::PolygonStates>& next) {
+  assert(frontScratch_ == nullptr);
   assert(next == nullptr || next->allOpen() || next->cost.size() == world_->graph.polygonCount());
   std::swap(states_, next);
 }

@@ -76,17 +76,19 @@ struct PreparedWorld {
   std::shared_ptr<const navmesh::PolygonStates> states;      ///< of this world; null: all is open
 };
 
-/// What graphs by fronts need to know of `world`, to be shared by its sessions. O(polygons log
-/// polygons), some 0.5 ms for 1,000.
-std::shared_ptr<const prediction::FrontIndex> makeFrontIndex(const navmesh::World& world);
+/// What graphs by fronts need to know of `world` in these states (null: all is open), to be shared
+/// by its sessions. O(polygons log polygons), some 0.5 ms for 1,000.
+std::shared_ptr<const prediction::FrontIndex> makeFrontIndex(
+    const navmesh::World& world, const navmesh::PolygonStates* states = nullptr);
 
 /// Allocates all that frames in `world` will need. `limits` and `method` are those of the session's
-/// settings; `frontIndex` is this world's, made here where it is null and needed.
+/// settings; `frontIndex` is this world's in these states, made here where it is null and needed.
 /// O(polygons of the world), some 0.1 ms for 1,000.
 PreparedWorld prepareWorld(std::shared_ptr<const navmesh::World> world,
                            const prediction::PredictionLimits& limits = {},
                            prediction::Method method = prediction::Method::kPolygon,
-                           std::shared_ptr<const prediction::FrontIndex> frontIndex = nullptr);
+                           std::shared_ptr<const prediction::FrontIndex> frontIndex = nullptr,
+                           std::shared_ptr<const navmesh::PolygonStates> states = nullptr);
 
 /// One frame's answer. Valid until the session's next frame.
 struct FrameResult {
@@ -140,6 +142,7 @@ class Session {
   const Redirection& redirection() const { return redirector_.redirection(); }
   const SessionSettings& settings() const { return settings_; }
   const navmesh::World& world() const { return *world_; }
+  const std::shared_ptr<const navmesh::World>& sharedWorld() const { return world_; }
   const Controller& controller() const { return *controller_; }
 
   /// Puts the user's next frame at another virtual place, looking along its heading (a teleport, a
@@ -157,7 +160,8 @@ class Session {
   /// where there is none at all, kOffNavMesh. Neither locks nor allocates; costs one location.
   void enter(PreparedWorld& next);
 
-  /// Predicts from now on with other states of the world the session is in; null: all is open.
+  /// Predicts from now on with other states of the world the session is in; null: all is open. Not
+  /// by fronts: their index knows the states, so enter() the world again, prepared with them.
   /// Between frames. Afterwards `next` holds those left, for its owner to let go of off the frame.
   void setStates(std::shared_ptr<const navmesh::PolygonStates>& next);
 

@@ -47,8 +47,9 @@ struct WorldSlot {
   // LiveWorld's, under its versionMutex_.
   std::optional<prediction::PredictionLimits> limits;  // of the session; none: no session
   prediction::Method method = prediction::Method::kPolygon;
-  std::shared_ptr<const navmesh::World> sessionWorld;  // what was last prepared for it
-  int out = 0;                                         // deliveries neither taken back nor freed
+  std::shared_ptr<const navmesh::World> sessionWorld;           // what was last prepared for it
+  std::shared_ptr<const navmesh::PolygonStates> sessionStates;  // by fronts: in these states
+  int out = 0;  // deliveries neither taken back nor freed
 };
 
 // ---- The reader's side
@@ -222,6 +223,7 @@ WorldReader LiveWorld::add(std::optional<prediction::PredictionLimits> limits,
   slot->method = method;
   const Lock lock(versionMutex_);
   if (limits) slot->sessionWorld = newest_.world;
+  slot->sessionStates = newest_.states;
   slots_.push_back(slot);
   return WorldReader(std::move(slot), newest_);
 }
@@ -306,7 +308,7 @@ tl::expected<void, Error> LiveWorld::publish(std::shared_ptr<const navmesh::Worl
   if (!states) return tl::unexpected(states.error());
   blocked_ = std::move(blocked);
   status_.linksWithoutGround = static_cast<std::uint32_t>(groundless.size());
-  if (world != newest_.world) frontIndex_ = nullptr;
+  frontIndex_ = nullptr;
   newest_ = {newest_.number + 1, std::move(world),
              std::make_shared<const navmesh::PolygonStates>(std::move(*states))};
   status_.version = newest_.number;
@@ -325,12 +327,16 @@ void LiveWorld::deliver(WorldSlot& slot) {
     ++slot.out;
   }
   delivery->version = newest_;
-  if (slot.limits && slot.sessionWorld != newest_.world) {
-    if (slot.method == prediction::Method::kFront && frontIndex_ == nullptr) {
-      frontIndex_ = rdw::makeFrontIndex(*newest_.world);
+  // Fronts are prepared for a world in its states, not for the world alone.
+  const bool byFronts = slot.method == prediction::Method::kFront;
+  if (slot.limits &&
+      (slot.sessionWorld != newest_.world || (byFronts && slot.sessionStates != newest_.states))) {
+    if (byFronts && frontIndex_ == nullptr) {
+      frontIndex_ = rdw::makeFrontIndex(*newest_.world, newest_.states.get());
     }
     delivery->prepared = rdw::prepareWorld(newest_.world, *slot.limits, slot.method, frontIndex_);
     slot.sessionWorld = newest_.world;
+    slot.sessionStates = newest_.states;
   }
   delivery->prepared.states = newest_.states;
   slot.incoming.store(delivery.release(), std::memory_order_release);

@@ -240,6 +240,18 @@ forewalk_frame_out frameOut(forewalk_axes axes, const rdw::FrameResult& result) 
   return out;
 }
 
+/// Graphs by fronts know the states by their index, so that the world is entered again.
+void setStates(rdw::Session& session, std::shared_ptr<const navmesh::PolygonStates> states) {
+  const rdw::SessionSettings& settings = session.settings();
+  if (settings.method != prediction::Method::kFront) {
+    session.setStates(states);
+    return;
+  }
+  rdw::PreparedWorld next = rdw::prepareWorld(session.sharedWorld(), settings.prediction,
+                                              settings.method, nullptr, std::move(states));
+  session.enter(next);
+}
+
 /// What is known of a world beside its floor. With `groundless`, links whose ground has gone lead
 /// nowhere.
 tl::expected<std::shared_ptr<const navmesh::PolygonStates>, Error> statesOf(
@@ -361,7 +373,7 @@ forewalk_status forewalk_session_set_links(forewalk_session* session, const fore
     auto states = statesOf(world, list, session->standing, nullptr);
     if (!states) return fail(states.error());
     session->links = std::move(list);
-    session->session.setStates(*states);
+    setStates(session->session, std::move(*states));
     return FOREWALK_OK;
   });
 }
@@ -383,7 +395,7 @@ forewalk_status forewalk_session_set_standing(forewalk_session* session,
     auto states = statesOf(session->session.world(), session->links, people, &groundless);
     if (!states) return fail(states.error());
     session->standing = std::move(people);
-    session->session.setStates(*states);
+    setStates(session->session, std::move(*states));
     return FOREWALK_OK;
   });
 }
@@ -396,14 +408,13 @@ forewalk_status forewalk_session_enter(forewalk_session* session, const forewalk
   return guarded([&]() -> forewalk_status {
     const rdw::SessionSettings& settings = session->session.settings();
     const bool byFronts = settings.method == prediction::Method::kFront;
-    rdw::PreparedWorld next =
-        rdw::prepareWorld(navmesh->world, settings.prediction, settings.method,
-                          byFronts ? navmesh->frontIndex() : nullptr);
     std::vector<navmesh::LinkId> groundless;
     auto states = statesOf(*navmesh->world, session->links, session->standing, &groundless);
     if (!states) return fail(states.error());
+    rdw::PreparedWorld next = rdw::prepareWorld(
+        navmesh->world, settings.prediction, settings.method,
+        byFronts && (*states)->allOpen() ? navmesh->frontIndex() : nullptr, *states);
     FlatGraph graph(navmesh->world->graph, settings.prediction.polygons, settings.method);
-    next.states = std::move(*states);
     session->session.enter(next);
     session->graph = std::move(graph);
     session->graphIsThisFrames = false;

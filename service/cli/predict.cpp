@@ -95,7 +95,7 @@ tl::expected<void, Error> run(const PredictOptions& options) {
   std::optional<prediction::FrontIndex> frontIndex;
   std::optional<prediction::FrontScratch> frontScratch;
   if (byFronts) {
-    frontIndex = prediction::makeFrontIndex(navGraph);
+    frontIndex = prediction::makeFrontIndex(navGraph, &states);
     frontScratch.emplace(navGraph, *frontIndex);
   }
   const prediction::FrontSettings settings{options.persistence};

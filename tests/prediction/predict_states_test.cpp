@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "navmesh/random.h"
+#include "prediction/front_graph.h"
 #include "prediction/predict.h"
 #include "tests/support/count_allocations.h"
 #include "tests/support/random_mesh.h"
@@ -163,6 +164,58 @@ TEST(PredictStates, ClosingAPolygonIsRemovingItFromTheMesh) {
   EXPECT_GT(graphs, 1000);
   EXPECT_GT(nodes, 20000u);
   EXPECT_GT(chains, 200u);
+}
+
+TEST(PredictStates, ClosingAPolygonIsRemovingItForFrontsToo) {
+  std::size_t nodes = 0;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    const PolygonMesh mesh = meshOf(seed);
+    const NavGraph graph = graphOf(mesh);
+    std::mt19937_64 rng(seed);
+    const PolygonStates states =
+        randomStates(graph, rng, 0.05 * static_cast<double>(seed % 5), 0.1);
+    std::vector<bool> closed(graph.polygonCount());
+    for (std::uint32_t p = 0; p < graph.polygonCount(); ++p) {
+      closed[p] = states.isClosed(PolygonId{p});
+    }
+    const auto [leftMesh, oldOf] = testing::without(mesh, closed);
+    if (leftMesh.polygonCount() == 0) continue;
+    const NavGraph left = graphOf(leftMesh);
+    const FrontIndex frontIndex = makeFrontIndex(graph, &states);
+    const FrontIndex leftIndex = makeFrontIndex(left);
+    FrontScratch scratch(graph, frontIndex), leftScratch(left, leftIndex);
+    for (const Location& start : testing::randomStarts(left, 8, seed)) {
+      Location same = start;
+      same.polygon = PolygonId{oldOf[index(start.polygon)]};
+      for (const float horizon : {0.0f, 1.5f, 4.0f, 12.0f}) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed << " horizon " << horizon);
+        const PredictionGraph& found = predictFronts(graph, same, horizon, scratch);
+        expectSame(found, predictFronts(left, start, horizon, leftScratch), oldOf);
+        nodes += found.nodes.size();
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+  EXPECT_GT(nodes, 3000u);
+}
+
+TEST(PredictStates, FrontsOfWhoStandsOnClosedGroundBeginAtTheNearestWayOut) {
+  const NavGraph graph = graphOf(testing::gridMesh(5, 1));
+  PolygonStates states;
+  set(graph, states, 2, kClosed);
+  const FrontIndex frontIndex = makeFrontIndex(graph, &states);
+  FrontScratch scratch(graph, frontIndex);
+  // Nearer to the polygon before than to the one behind.
+  const Location inside{PolygonId{2}, graph.centroid[2] - glm::vec2(0.2f, 0.0f), 0.0f, false};
+  const PredictionGraph& found = predictFronts(graph, inside, 9.0f, scratch);
+  EXPECT_EQ(found.flags, kGraphComplete);
+  ASSERT_GT(found.nodes.size(), 1u);
+  for (const Node& node : found.nodes) EXPECT_LE(node.plan.x, inside.plan.x);
+  // Closed in on all sides there are no ways.
+  for (const std::uint32_t p : {1u, 3u}) set(graph, states, p, kClosed);
+  const FrontIndex shutIndex = makeFrontIndex(graph, &states);
+  FrontScratch shut(graph, shutIndex);
+  EXPECT_EQ(predictFronts(graph, inside, 9.0f, shut).nodes.size(), 1u);
 }
 
 TEST(PredictStates, OpeningAgainGivesTheSameGraphsAsBeforeToTheLastBit) {
