@@ -81,6 +81,7 @@ class FrontAssembly {
       way.nextOut = std::exchange(scratch_.firstOut_[arc.from], a);
       way.nextIn = arc.to == kNone ? kNone : std::exchange(scratch_.firstIn_[arc.to], a);
       way.mergedInto = a;
+      way.front = arc.front == kNone ? HorizonFront{} : scratch_.sweep_.fronts()[arc.front];
     }
   }
 
@@ -154,6 +155,7 @@ class FrontAssembly {
       });
       if (shortest == kNone) break;
       ways_[shortest].gone = true;
+      if (ways_[shortest].to == kNone) leaveFront(event, ways_[shortest].front);
     }
     // Two ways that meet have hardly anywhere to go: they end where they meet.
     if (outCount(event) == 1 && inCount(event) > 1) {
@@ -170,8 +172,39 @@ class FrontAssembly {
     Way& way = ways_[in];
     way.to = ways_[out].to;
     way.last = ways_[out].last;
+    way.front = ways_[out].front;
     ways_[out].gone = true;
     ways_[out].mergedInto = in;
+  }
+
+  /// A way cut at the horizon that is no way of its own leaves its piece of the front to its
+  /// neighbour at the horizon, if it has one: the two are one front still, with what stands between
+  /// them. Neighbours are known by the ends that lie closest together.
+  void leaveFront(std::uint32_t event, const HorizonFront& gone) {
+    Way* heir = nullptr;
+    glm::vec2 from(0.0f), to(0.0f);  // ends of the two together
+    float gap = 0.0f;
+    forEachOut(event, [&](std::uint32_t w) {
+      Way& way = ways_[w];
+      if (way.to != kNone || way.front.from == way.front.to) return;
+      const auto consider = [&](glm::vec2 near, glm::vec2 nearOfGone, glm::vec2 far,
+                                glm::vec2 farOfGone) {
+        const float apart = glm::distance(near, nearOfGone);
+        if (heir != nullptr && apart >= gap) return;
+        heir = &way;
+        from = far;
+        to = farOfGone;
+        gap = apart;
+      };
+      consider(way.front.to, gone.from, way.front.from, gone.to);
+      consider(way.front.to, gone.to, way.front.from, gone.from);
+      consider(way.front.from, gone.from, way.front.to, gone.to);
+      consider(way.front.from, gone.to, way.front.to, gone.from);
+    });
+    if (heir == nullptr || gone.from == gone.to) return;
+    heir->front.from = from;
+    heir->front.to = to;
+    heir->front.length += gap + gone.length;
   }
 
   /// Whether another way from the event ends where this one does: around a pillar too thin to tell
@@ -226,7 +259,7 @@ class FrontAssembly {
 
   void addHorizonNode(const Way& way) {
     const FrontArc& arc = arcs_[way.last];
-    const HorizonFront& front = scratch_.sweep_.fronts()[arc.front];
+    const HorizonFront& front = way.front;
     Node& node = addNode(NodeKind::kTerminal, front.crossing, front.polygon, out_.horizon,
                          nodeAt(way.from), arc.corner);
     node.reason = TerminalReason::kHorizon;

@@ -61,6 +61,7 @@ class FrontScratch {
     bool gone;
     std::uint32_t nextOut, nextIn;  // of the same event, or kNone
     std::uint32_t mergedInto;       // itself, unless merged
+    HorizonFront front;             // of all its pieces at the horizon; length 0: none
   };
 
   const FrontIndex* index_;

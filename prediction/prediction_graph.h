@@ -44,7 +44,8 @@ enum class TerminalReason : std::uint8_t {
 };
 
 /// The points at one distance from the source where people on a way would cross it: a piece of the
-/// front at the horizon, or the end of a way.
+/// front at the horizon, or the end of a way. Pieces that are too short to be ways belong to it, and
+/// what stands between them.
 struct Front {
   glm::vec2 from, to;  ///< its ends, on walls; plan, metres. Equal where it is closed, or a point
   float length;        ///< metres

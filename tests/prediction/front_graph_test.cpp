@@ -263,6 +263,42 @@ TEST(FrontGraph, EndsEveryWayInATerminalAndHasAFrontForEach) {
   }
 }
 
+TEST(FrontGraph, GivesTheFrontOfAMergedWayToItsNeighbour) {
+  const auto& stem = *std::find_if(knownScenes().begin(), knownScenes().end(), [](const auto& s) {
+    return std::string_view(s.name).starts_with("a T junction");
+  });
+  Built built(testing::mapMesh(stem.rows, stem.cell, Cutting::kSquares));
+  const auto place =
+      built.at(testing::markIn(stem.rows, stem.cell, '@') + glm::vec2(0.03f, 0.017f));
+  // The front has just been parted by the wall at the end of the stem: two pieces, left and right.
+  std::size_t compared = 0;
+  for (float horizon = 1.2f; horizon < 3.0f; horizon += 0.05f) {
+    const auto ahead = [&](float persistence) {
+      std::vector<Front> fronts;
+      const auto& graph = predictFronts(built.graph, place, horizon, built.scratch, {persistence});
+      for (std::size_t i = 0; i < graph.fronts.size(); ++i) {
+        if (graph.node(graph.terminals[i]).plan.y > place.plan.y) fronts.push_back(graph.fronts[i]);
+      }
+      return fronts;
+    };
+    const std::vector<Front> pieces = ahead(0.0f), merged = ahead(0.75f);
+    if (pieces.size() != 2 || merged.size() != 1) continue;
+    ++compared;
+    // From the outer end of one to the outer end of the other.
+    const auto isEndOf = [&](glm::vec2 end, const Front& front) {
+      return glm::distance(end, front.from) < 1e-4f || glm::distance(end, front.to) < 1e-4f;
+    };
+    for (const glm::vec2 end : {merged[0].from, merged[0].to}) {
+      EXPECT_NE(isEndOf(end, pieces[0]), isEndOf(end, pieces[1])) << horizon;
+    }
+    EXPECT_NE(isEndOf(merged[0].from, pieces[0]), isEndOf(merged[0].to, pieces[0])) << horizon;
+    EXPECT_GE(merged[0].length, pieces[0].length + pieces[1].length);
+    EXPECT_LT(glm::distance(pieces[0].from, pieces[1].from),
+              glm::distance(merged[0].from, merged[0].to) + 1e-4f);
+  }
+  EXPECT_GE(compared, 3u);
+}
+
 TEST(FrontGraph, HasNoMoreBranchesWhereLongerWaysAreMerged) {
   for (const auto& floor : randomFloors()) {
     Built built(floor);

@@ -145,8 +145,9 @@ std::vector<Mark> marksOf(const PredictionGraph& graph) {
 
 /// Whether two marks stand for the same within `reach` metres. Ways that meet and hardly go on end
 /// there, so a join at a lower persistence is a meeting at a higher one. A way to the horizon is
-/// known by the walls between which it gets there, or by its middle; one that is closed all around
-/// the user has neither.
+/// known by its middle or by a wall at which its front ends: no two fronts end at one place, and at
+/// a higher persistence a front holds its neighbours too. One that is closed all around the user
+/// has no end.
 bool areTheSame(const Mark& a, const Mark& b, float reach) {
   const auto near = [&](glm::vec2 p, glm::vec2 q) { return glm::distance(p, q) <= reach; };
   const bool together = (a.role == Role::kJoin || a.role == Role::kMeeting) &&
@@ -160,8 +161,8 @@ bool areTheSame(const Mark& a, const Mark& b, float reach) {
     return closed(a.front) && closed(b.front) &&
            std::abs(a.front.length - b.front.length) < 0.1f * a.front.length;
   }
-  return (near(a.front.from, b.front.from) && near(a.front.to, b.front.to)) ||
-         (near(a.front.from, b.front.to) && near(a.front.to, b.front.from));
+  return near(a.front.from, b.front.from) || near(a.front.to, b.front.to) ||
+         near(a.front.from, b.front.to) || near(a.front.to, b.front.from);
 }
 
 struct Count {
