@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace forewalk::prediction {
 
@@ -11,14 +12,10 @@ constexpr float kStorey = 1.5f;  // ends whose heights differ by more are on two
 constexpr std::uint32_t kPairs = 16;  // room for so many close pairs per way
 // A dead end and a cut end are seldom one way, but may be: the horizon comes to reach the dead end.
 constexpr float kOtherReason = 0.2f;  // metres
-
-float distanceToPiece(glm::vec2 point, glm::vec2 a, glm::vec2 b) {
-  const glm::vec2 ab = b - a;
-  const float squared = glm::dot(ab, ab);
-  const float share =
-      squared > 0.0f ? std::clamp(glm::dot(point - a, ab) / squared, 0.0f, 1.0f) : 0.0f;
-  return glm::distance(point, a + share * ab);
-}
+// A way that goes no farther beyond its branch has just left the others: the persistence of graphs
+// by fronts and a step.
+constexpr float kShort = 1.25f;         // metres
+constexpr float kBeyondMeeting = 0.1f;  // metres; what it costs to go on where ways met
 
 }  // namespace
 
@@ -42,73 +39,70 @@ void WayTracker::restart() {
 WayTracker::Tail WayTracker::tailOf(const PredictionGraph& graph, std::size_t order) {
   const NodeId terminal = graph.terminals[order];
   const Node& node = graph.node(terminal);
-  Tail tail{{}, node.plan, node.plan, node.height, node.reason != TerminalReason::kHorizon};
-  if (graph.fronts.size() == graph.terminals.size()) {
-    tail.left = graph.fronts[order].from;
-    tail.right = graph.fronts[order].to;
-  }
+  const Node& branch = graph.node(node.prev);
+  Tail tail{};
   tail.points[0] = node.plan;
   for (int i = 1; i < kTail; ++i) {
     const float s = node.distance - kTailStep * static_cast<float>(i);
     tail.points[static_cast<std::size_t>(i)] =
         s > 0.0f ? pointAlong(graph, terminal, s).plan : graph.source.plan;
   }
+  tail.front = frontLine(graph, order);
+  for (const glm::vec2 point : tail.front) {
+    tail.reach = std::max(tail.reach, glm::distance(point, node.plan));
+  }
+  tail.branch = branch.plan;
+  tail.height = node.height;
+  tail.deadEnd = node.reason != TerminalReason::kHorizon;
+  tail.isShort = node.distance - branch.distance < kShort;
+  tail.fromJoin = branch.kind == NodeKind::kJoin;
+  tail.isMeeting = node.reason == TerminalReason::kMeeting;
   return tail;
 }
 
-float WayTracker::distanceToTail(glm::vec2 point, const Tail& tail) {
-  float least = glm::distance(point, tail.points[0]);
-  for (std::size_t i = 1; i < kTail; ++i) {
-    least = std::min(least, distanceToPiece(point, tail.points[i - 1], tail.points[i]));
-  }
-  return least;
-}
-
 float WayTracker::apartFrom(const Tail& a, const Tail& b) {
-  // A front bulges, so the middles of two may be closer than a middle is to the other's chord.
-  return std::min({distanceToPiece(a.points[0], b.left, b.right),
-                   distanceToPiece(b.points[0], a.left, a.right),
-                   glm::distance(a.points[0], b.points[0])});
+  return std::min(distanceToLine(a.points[0], b.front), distanceToLine(b.points[0], a.front));
 }
 
-float WayTracker::cost(const Tail& before, const Tail& now, float moved) const {
+float WayTracker::cost(const Tail& before, const Tail& now, float moved) {
   const float apart = apartFrom(before, now);
   // Where ends lie close by they tell two ways apart that run side by side; the tails do where an
   // end has run ahead.
   const float end = std::max(0.0f, apart - moved);
-  const float along = std::min(
-      {distanceToTail(before.points[0], now), distanceToTail(now.points[0], before), apart});
-  return 0.5f * (end + along) + (before.deadEnd != now.deadEnd ? kOtherReason : 0.0f);
+  const float along = std::min({distanceToLine(before.points[0], now.points),
+                                distanceToLine(now.points[0], before.points), apart});
+  float price = 0.5f * (end + along) + (before.deadEnd != now.deadEnd ? kOtherReason : 0.0f);
+  const auto goesOn = [](const Tail& met, const Tail& beyond) {
+    return met.isMeeting && beyond.isShort && beyond.fromJoin
+               ? glm::distance(met.points[0], beyond.branch) + kBeyondMeeting
+               : std::numeric_limits<float>::infinity();
+  };
+  price = std::min({price, goesOn(before, now), goesOn(now, before)});
+  return price;
 }
 
-void WayTracker::update(const PredictionGraph& graph) {
-  events_.clear();
-  const float moved = started_ ? glm::distance(graph.source.plan, lastPlan_) : 0.0f;
-  started_ = true;
-  lastPlan_ = graph.source.plan;
-  const bool offMesh = (graph.flags & kSourceOffMesh) != 0;
-  limitReached_ = graph.terminals.size() > settings_.ways;
-  const std::size_t count =
-      offMesh ? 0 : std::min<std::size_t>(graph.terminals.size(), settings_.ways);
-
-  tails_.clear();
-  for (std::size_t i = 0; i < count; ++i) tails_.push_back(tailOf(graph, i));
-  pairs_.clear();
-  for (std::uint32_t k = 0; k < known_.size(); ++k) {
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const Tail& before = known_[k].tail;
-      const float reach = settings_.gate + kTailStep * (kTail - 1) + moved;
-      if (apartFrom(before, tails_[i]) > reach) continue;
-      if (std::abs(before.height - tails_[i].height) > kStorey) continue;
-      const float price = cost(before, tails_[i], moved + known_[k].gone);
-      if (price > settings_.gate) continue;
-      if (pairs_.size() == static_cast<std::size_t>(kPairs) * settings_.ways) {
-        limitReached_ = true;
-        continue;
-      }
-      pairs_.push_back({price, k, i});
+/// Lists what a known way may go on as.
+void WayTracker::pairUp(std::uint32_t k, float moved) {
+  const Tail& before = known_[k].tail;
+  const float reach = settings_.gate + kTailStep * (kTail - 1) + kShort + moved;
+  for (std::uint32_t i = 0; i < tails_.size(); ++i) {
+    const Tail& now = tails_[i];
+    const glm::vec2 between = before.points[0] - now.points[0];
+    const float most = reach + std::max(before.reach, now.reach);
+    if (glm::dot(between, between) > most * most) continue;
+    if (std::abs(before.height - now.height) > kStorey) continue;
+    const float price = cost(before, now, moved + known_[k].gone);
+    if (price > settings_.gate) continue;
+    if (pairs_.size() == static_cast<std::size_t>(kPairs) * settings_.ways) {
+      limitReached_ = true;
+      continue;
     }
+    pairs_.push_back({price, k, i});
   }
+}
+
+/// Gives names to the ways that are known, the closest pair first.
+void WayTracker::nameAll() {
   std::sort(pairs_.begin(), pairs_.end(), [this](const Pair& a, const Pair& b) {
     // One that lingers gives way to one that was there a frame ago.
     const bool lingersA = known_[a.known].order < 0, lingersB = known_[b.known].order < 0;
@@ -117,9 +111,6 @@ void WayTracker::update(const PredictionGraph& graph) {
     if (a.known != b.known) return known_[a.known].id < known_[b.known].id;
     return a.fresh < b.fresh;
   });
-
-  ways_.clear();
-  for (std::size_t i = 0; i < count; ++i) ways_.push_back({kNoWay, graph.terminals[i], -1, false});
   knownTaken_.assign(known_.size(), 0);
   for (const Pair& pair : pairs_) {
     TrackedWay& way = ways_[pair.fresh];
@@ -128,9 +119,15 @@ void WayTracker::update(const PredictionGraph& graph) {
     way.before = known_[pair.known].order;
     knownTaken_[pair.known] = 1;
   }
+}
 
-  // What is left over: the closest way on the other side says whether it was a split or a merge.
-  kept_.clear();
+/// Lets the known ways linger that no way of this frame goes on, and reports those that are gone
+/// for good.
+void WayTracker::giveUp(float moved, bool offMesh) {
+  const auto isThere = [this](WayId id) {
+    return id != kNoWay && std::any_of(ways_.begin(), ways_.end(),
+                                       [id](const TrackedWay& way) { return way.id == id; });
+  };
   for (std::uint32_t k = 0; k < known_.size(); ++k) {
     if (knownTaken_[k] != 0) continue;
     Known gone = known_[k];
@@ -140,7 +137,11 @@ void WayTracker::update(const PredictionGraph& graph) {
       gone.mergedInto = kNoWay;
       const auto into = std::find_if(pairs_.begin(), pairs_.end(),
                                      [k](const Pair& pair) { return pair.known == k; });
-      if (into != pairs_.end()) gone.mergedInto = ways_[into->fresh].id;
+      if (into != pairs_.end()) {
+        gone.mergedInto = ways_[into->fresh].id;
+      } else if (isThere(gone.beside)) {
+        gone.mergedInto = gone.beside;
+      }
     } else {
       gone.gone += moved;
     }
@@ -155,24 +156,92 @@ void WayTracker::update(const PredictionGraph& graph) {
   }
   std::sort(events_.begin(), events_.end(),
             [](const WayEvent& a, const WayEvent& b) { return a.way < b.way; });
-  for (std::uint32_t i = 0; i < count; ++i) {
+}
+
+/// The way that fresh way `i` has just left, by its order; -1: none. Where it ends in a meeting
+/// that another has just come to, the one that the other left: the two were one beyond a join.
+/// `knownOnly`: of those that were there a frame ago.
+std::int32_t WayTracker::besideOf(const PredictionGraph& graph, std::uint32_t i,
+                                  bool knownOnly) const {
+  std::uint32_t leaves = i;
+  if (!tails_[i].isShort) {
+    if (!tails_[i].isMeeting) return -1;
+    const auto met = std::find_if(tails_.begin(), tails_.end(), [&](const Tail& tail) {
+      return tail.isMeeting && tail.isShort && tail.points[0] == tails_[i].points[0];
+    });
+    if (met == tails_.end()) return -1;
+    leaves = static_cast<std::uint32_t>(met - tails_.begin());
+  }
+  const NodeId branch = graph.node(ways_[leaves].terminal).prev;
+  if (graph.node(branch).kind == NodeKind::kSource) return -1;
+  std::int32_t nearest = -1;
+  float least = std::numeric_limits<float>::infinity();
+  for (std::uint32_t other = 0; other < ways_.size(); ++other) {
+    if (other == i || other == leaves) continue;
+    if (knownOnly && (ways_[other].before < 0 || ways_[other].born)) continue;
+    NodeId at = graph.node(ways_[other].terminal).prev;
+    while (at > branch && at != kNoNode) at = graph.node(at).prev;  // parents come before children
+    if (at != branch) continue;
+    const float apart = glm::distance(tails_[other].points[0], tails_[i].points[0]);
+    if (apart < least) {
+      least = apart;
+      nearest = static_cast<std::int32_t>(other);
+    }
+  }
+  return nearest;
+}
+
+/// Names the ways that nobody knew, and reports who is new or back.
+void WayTracker::announce(const PredictionGraph& graph) {
+  for (std::uint32_t i = 0; i < ways_.size(); ++i) {
     TrackedWay& way = ways_[i];
     if (way.id != kNoWay) {
       if (way.before < 0) events_.push_back({WayChange::kReturn, way.id, kNoWay});
-    } else {
-      way.id = WayId{nextId_++};
-      way.born = true;
-      const auto from = std::find_if(pairs_.begin(), pairs_.end(), [this, i](const Pair& pair) {
-        return pair.fresh == i && known_[pair.known].order >= 0;
-      });
-      if (from == pairs_.end()) {
-        events_.push_back({WayChange::kBirth, way.id, kNoWay});
-      } else {
-        way.before = known_[from->known].order;
-        events_.push_back({WayChange::kSplit, way.id, known_[from->known].id});
-      }
+      continue;
     }
-    kept_.push_back({way.id, tails_[i], static_cast<std::int32_t>(i), 0.0f, kNoWay});
+    way.id = WayId{nextId_++};
+    way.born = true;
+    const auto from = std::find_if(pairs_.begin(), pairs_.end(), [this, i](const Pair& pair) {
+      return pair.fresh == i && known_[pair.known].order >= 0;
+    });
+    WayId other = kNoWay;
+    if (from != pairs_.end()) {
+      way.before = known_[from->known].order;
+      other = known_[from->known].id;
+    } else if (const std::int32_t beside = besideOf(graph, i, true); beside >= 0) {
+      way.before = ways_[static_cast<std::size_t>(beside)].before;
+      other = ways_[static_cast<std::size_t>(beside)].id;
+    }
+    events_.push_back({other == kNoWay ? WayChange::kBirth : WayChange::kSplit, way.id, other});
+  }
+}
+
+void WayTracker::update(const PredictionGraph& graph) {
+  events_.clear();
+  const float moved = started_ ? glm::distance(graph.source.plan, lastPlan_) : 0.0f;
+  started_ = true;
+  lastPlan_ = graph.source.plan;
+  const bool offMesh = (graph.flags & kSourceOffMesh) != 0;
+  limitReached_ = graph.terminals.size() > settings_.ways;
+  const std::size_t count =
+      offMesh ? 0 : std::min<std::size_t>(graph.terminals.size(), settings_.ways);
+
+  tails_.clear();
+  ways_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    tails_.push_back(tailOf(graph, i));
+    ways_.push_back({kNoWay, graph.terminals[i], -1, false});
+  }
+  pairs_.clear();
+  for (std::uint32_t k = 0; k < known_.size(); ++k) pairUp(k, moved);
+  nameAll();
+  kept_.clear();
+  giveUp(moved, offMesh);
+  announce(graph);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::int32_t beside = besideOf(graph, i, false);
+    kept_.push_back({ways_[i].id, tails_[i], static_cast<std::int32_t>(i), 0.0f,
+                     beside < 0 ? kNoWay : ways_[static_cast<std::size_t>(beside)].id, kNoWay});
   }
   std::swap(known_, kept_);
 }

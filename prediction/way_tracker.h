@@ -3,9 +3,15 @@
 // A prediction graph is made anew every frame, its terminals in the order the search found them.
 // Here a way gets an id that it keeps as long as it is the same way, matched by what it ends in and
 // never by its order. As the user walks, a way ahead grows at its far end and a way behind is cut
-// shorter: so the same way is the one whose last metres hold the old end, or whose end lies on the
-// last metres of the old way. A way that ends in a dead end ends in the same place. Where the
-// method knows the front that a way ends in, being on the front is being at its end.
+// shorter: so the same way is the one whose last metre holds the old end, or whose end lies on the
+// last metre of the old way. A way that ends in a dead end ends in the same place. Where the
+// method knows the front that a way ends in (front_arc.h), being on the front is being at its end:
+// where two fronts become one, its middle is new and its ends are not. Where ways end in a meeting,
+// and now go on as one for a step or two beyond it, that one is the same as either.
+//
+// A new way that has just come out of the side of a known one was one with it until now, and a way
+// that was that short when it vanished is one with the way it left: such are splits and merges. In
+// a graph by fronts hardly a way comes from anywhere else.
 //
 // Matching is one to one, the closest pair first (ties by id, then by order), as in greedy data
 // association in multi-target tracking. It depends on positions alone, so that a replay is
@@ -18,6 +24,7 @@
 #include <span>
 #include <vector>
 
+#include "prediction/front_arc.h"
 #include "prediction/prediction_graph.h"
 
 namespace forewalk::prediction {
@@ -28,7 +35,7 @@ inline constexpr WayId kNoWay{0xffffffffu};
 constexpr std::uint32_t index(WayId id) { return static_cast<std::uint32_t>(id); }
 
 struct WayTrackerSettings {
-  float gate = 0.75f;   ///< how far an end may lie off the other way, metres, > 0
+  float gate = 0.5f;    ///< how far an end may lie off the other way, metres, > 0: a person's width
   float linger = 2.0f;  ///< a way that vanished keeps its name for so many metres walked, and may
                         ///< come back; only then it is reported dead or merged; >= 0
   std::uint32_t ways = 512;  ///< most ways of one frame and most that linger, >= 1
@@ -83,12 +90,17 @@ class WayTracker {
  private:
   static constexpr int kTail = 5;            // points of a tail
   static constexpr float kTailStep = 0.25f;  // metres between them
-  /// The last metre of a way, its end first.
+  /// Where a way ends.
   struct Tail {
-    std::array<glm::vec2, kTail> points;
-    glm::vec2 left, right;  // ends of its front; the end itself where the method knows no fronts
-    float height;           // of the end
+    std::array<glm::vec2, kTail> points;  // its last metre, the end first
+    FrontLine front;
+    float reach;       // no point of the front is farther from the end, metres
+    glm::vec2 branch;  // where it left the others
+    float height;      // of the end
     bool deadEnd;
+    bool isShort;   // it has hardly left the others
+    bool fromJoin;  // ways came together where it begins
+    bool isMeeting;
   };
   /// A way that had a name when the last update was over.
   struct Known {
@@ -96,6 +108,7 @@ class WayTracker {
     Tail tail;
     std::int32_t order;  // in the last frame's ways, or -1 while it lingers
     float gone;          // metres walked since it vanished
+    WayId beside;        // the way that it had just left when it was there last, or kNoWay
     WayId mergedInto;    // while it lingers
   };
   struct Pair {
@@ -104,9 +117,13 @@ class WayTracker {
   };
 
   static Tail tailOf(const PredictionGraph& graph, std::size_t order);
-  static float distanceToTail(glm::vec2 point, const Tail& tail);
   static float apartFrom(const Tail& a, const Tail& b);
-  float cost(const Tail& before, const Tail& now, float moved) const;
+  static float cost(const Tail& before, const Tail& now, float moved);
+  void pairUp(std::uint32_t known, float moved);
+  void nameAll();
+  void giveUp(float moved, bool offMesh);
+  void announce(const PredictionGraph& graph);
+  std::int32_t besideOf(const PredictionGraph& graph, std::uint32_t fresh, bool knownOnly) const;
 
   WayTrackerSettings settings_;
   std::uint32_t nextId_ = 0;

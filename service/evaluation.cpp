@@ -281,16 +281,7 @@ Evaluation evaluate(std::span<const RecordedWalk> walks, const EvaluationModels&
     evaluation.offMesh += walks[w].offMesh;
     evaluation.snapped += walks[w].snapped;
     evaluation.worstSnap = std::max(evaluation.worstSnap, walks[w].worstSnap);
-    WayTurnover& sum = evaluation.turnover;
-    const WayTurnover& one = walks[w].turnover;
-    sum.metres += one.metres;
-    sum.frames += one.frames;
-    sum.ways += one.ways;
-    sum.births += one.births;
-    sum.deaths += one.deaths;
-    sum.splits += one.splits;
-    sum.merges += one.merges;
-    sum.returns += one.returns;
+    evaluation.turnover += walks[w].turnover;
   }
   std::size_t settled = 0, behind = 0;
   for (const Case& one : cases) {

@@ -119,6 +119,18 @@ void settle(Sample& sample, const PredictionGraph& graph, const prediction::Dist
 
 }  // namespace
 
+WayTurnover& WayTurnover::operator+=(const WayTurnover& other) {
+  metres += other.metres;
+  frames += other.frames;
+  ways += other.ways;
+  births += other.births;
+  deaths += other.deaths;
+  splits += other.splits;
+  merges += other.merges;
+  returns += other.returns;
+  return *this;
+}
+
 glm::dvec2 alongPath(const std::vector<glm::dvec2>& path, double s) {
   const double at = s / kPathStep;
   const auto piece = static_cast<std::size_t>(std::max(0.0, at));
@@ -182,7 +194,7 @@ RecordedWalk record(const navmesh::World& world, const rdw::Walk& walk, const Me
   const GraphMaker graphOf = method(world);
   const prediction::PortalEnds ends = prediction::makePortalEnds(world.graph);
   prediction::DistanceField field(world.graph, ends);
-  prediction::WayLikelihood likelihood;
+  prediction::WayLikelihood likelihood({}, settings.ways);
   const auto stride =
       static_cast<std::size_t>(std::max(1.0, std::round(settings.sampleEvery * settings.rate)));
   PredictionGraph none;

@@ -29,6 +29,7 @@ struct RecordingSettings {
   float horizon = 5.0f;      ///< metres, > 0
   double rate = 15.0;        ///< frames per second, > 0
   double sampleEvery = 0.5;  ///< seconds between samples, > 0
+  prediction::WayTrackerSettings ways{};  ///< how they keep their names
 };
 
 /// When places are compared: seconds ahead, and metres of the walk ahead.
@@ -71,6 +72,8 @@ struct WayTurnover {
   double metres = 0.0;               ///< walked
   std::size_t frames = 0, ways = 0;  ///< ways: summed over frames
   std::size_t births = 0, deaths = 0, splits = 0, merges = 0, returns = 0;
+
+  WayTurnover& operator+=(const WayTurnover& other);
 };
 
 struct RecordedWalk {

@@ -13,5 +13,6 @@ forewalk_test(prediction/distance_field_test.cpp LIBS forewalk::prediction forew
 forewalk_test(prediction/front_graph_test.cpp LIBS forewalk::prediction forewalk::navmesh_build)
 forewalk_test(prediction/front_allocation_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/front_independence_test.cpp LIBS forewalk::prediction forewalk::navmesh_build)
+forewalk_test(prediction/front_arc_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/way_tracker_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/likelihood_test.cpp LIBS forewalk::prediction)

@@ -7,9 +7,11 @@
 #include <set>
 
 #include "navmesh/random.h"
+#include "prediction/front_graph.h"
 #include "prediction/predict.h"
 #include "tests/support/count_allocations.h"
 #include "tests/support/line_world.h"
+#include "tests/support/map_mesh.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/random_start.h"
 
@@ -149,6 +151,158 @@ TEST(WayTracker, KeepsNamesWhileTheUserIsOffTheNavmesh) {
   }
   tracker.update(lineGraph({0, 0}, 5.0f, ways));
   EXPECT_EQ(idsOf(tracker), first);
+}
+
+/// Somebody who walks over a floor drawn with characters, seeing it by fronts. What a tracker tells
+/// is added up.
+class Walk {
+ public:
+  Walk(const std::vector<std::string_view>& rows, float horizon)
+      : graph_(*navmesh::makeNavGraph(testing::mapMesh(rows, 0.5f, testing::Cutting::kSquares))),
+        locations_(navmesh::makeLocationIndex(graph_)),
+        index_(makeFrontIndex(graph_)),
+        scratch_(graph_, index_),
+        horizon_(horizon) {}
+
+  /// Goes straight from one place to another, 5 cm a frame, both included.
+  void go(WayTracker& tracker, glm::vec2 from, glm::vec2 to) {
+    const int steps = std::max(1, static_cast<int>(glm::distance(from, to) / 0.05f));
+    for (int i = 0; i <= steps; ++i) {
+      const glm::vec2 plan = glm::mix(from, to, static_cast<float>(i) / static_cast<float>(steps));
+      const auto here = navmesh::locate(graph_, locations_, navmesh::toSpace(plan, 0.0f));
+      ASSERT_TRUE(here);
+      tracker.update(predictFronts(graph_, *here, horizon_, scratch_));
+      for (const WayEvent& event : tracker.events()) {
+        if (frames > 0) told[event.change].push_back({event, walked});
+      }
+      ++frames;
+      if (i < steps) walked += 0.05f;
+    }
+  }
+
+  struct Told {
+    WayEvent event;
+    float walked;  ///< metres until then
+  };
+  std::map<WayChange, std::vector<Told>> told;  ///< all but the first frame's births
+  int frames = 0;
+  float walked = 0.0f;
+
+ private:
+  navmesh::NavGraph graph_;
+  navmesh::LocationIndex locations_;
+  FrontIndex index_;
+  FrontScratch scratch_;
+  float horizon_;
+};
+
+// A corridor of 1 m, with a side corridor at its middle; 0.5 m a character.
+const std::vector<std::string_view> kSideCorridor{
+    "                    ..                    ", "                    ..                    ",
+    "                    ..                    ", "                    ..                    ",
+    "                    ..                    ", "                    ..                    ",
+    "                    ..                    ", "                    ..                    ",
+    "..........................................", ".........................................."};
+
+TEST(WayTracker, TellsOfASideCorridorWhenItIsInViewAndNoLongerThan) {
+  WayTracker tracker;
+  Walk walk(kSideCorridor, 3.0f);
+  walk.go(tracker, {4.02f, 0.52f}, {17.0f, 0.52f});
+  EXPECT_TRUE(walk.told[WayChange::kBirth].empty());
+  EXPECT_TRUE(walk.told[WayChange::kDeath].empty());
+  ASSERT_EQ(walk.told[WayChange::kSplit].size(), 1u);
+  ASSERT_EQ(walk.told[WayChange::kMerge].size(), 1u);
+  // The front parts at the far corner, (11, 1), and is two ways when it is 0.75 m beyond it.
+  const float until = 11.0f - 4.02f - (3.0f - 0.75f);
+  EXPECT_NEAR(walk.told[WayChange::kSplit][0].walked, until, 0.15f);
+  // Behind the walker it is a way of its own until it is that near the horizon again; then it may
+  // come back for two more metres.
+  const float gone = 10.0f - 4.02f + (3.0f - 0.75f) + WayTrackerSettings{}.linger;
+  EXPECT_NEAR(walk.told[WayChange::kMerge][0].walked, gone, 0.15f);
+  EXPECT_EQ(walk.told[WayChange::kMerge][0].event.way, walk.told[WayChange::kSplit][0].event.way);
+  // The way behind has kept its name all along, and so has the one ahead.
+  ASSERT_EQ(tracker.ways().size(), 2u);
+  std::set<std::uint32_t> ids{index(tracker.ways()[0].id), index(tracker.ways()[1].id)};
+  EXPECT_EQ(ids, (std::set<std::uint32_t>{0, 1}));
+}
+
+TEST(WayTracker, GivesANewNameToASideCorridorThatIsSeenAgainLongAfter) {
+  WayTracker tracker;
+  Walk walk(kSideCorridor, 3.0f);
+  walk.go(tracker, {4.02f, 0.52f}, {17.0f, 0.52f});
+  walk.go(tracker, {17.0f, 0.52f}, {4.02f, 0.52f});
+  EXPECT_EQ(walk.told[WayChange::kSplit].size(), 2u);
+  EXPECT_EQ(walk.told[WayChange::kMerge].size(), 2u);
+  EXPECT_TRUE(walk.told[WayChange::kBirth].empty());
+}
+
+TEST(WayTracker, KeepsTheNameOfAWayThatComesAndGoesAtTheEdgeOfTheHorizon) {
+  WayTracker tracker;
+  Walk walk(kSideCorridor, 3.0f);
+  const glm::vec2 near{9.3f, 0.52f}, far{8.3f, 0.52f};
+  walk.go(tracker, far, near);
+  const std::size_t splits = walk.told[WayChange::kSplit].size();
+  EXPECT_EQ(splits, 1u);
+  for (int i = 0; i < 10; ++i) {
+    walk.go(tracker, near, far);
+    walk.go(tracker, far, near);
+  }
+  EXPECT_EQ(walk.told[WayChange::kSplit].size(), splits);
+  EXPECT_GE(walk.told[WayChange::kReturn].size(), 5u);
+  EXPECT_TRUE(walk.told[WayChange::kMerge].empty());
+  EXPECT_TRUE(walk.told[WayChange::kBirth].empty());
+}
+
+TEST(WayTracker, TellsWithinTwoMetresThatAWayIsClosed) {
+  // The same corridor, its side walled up while somebody stands before it and then walks on.
+  std::vector<std::string_view> walled(kSideCorridor.begin() + 7, kSideCorridor.end());
+  walled[0] = "";
+  Walk open(kSideCorridor, 6.0f), closed(walled, 6.0f);
+  WayTracker tracker;
+  open.go(tracker, {8.0f, 0.52f}, {8.1f, 0.52f});
+  ASSERT_EQ(tracker.ways().size(), 3u);
+  closed.go(tracker, {8.1f, 0.52f}, {9.0f, 0.52f});
+  EXPECT_EQ(tracker.ways().size(), 2u);
+  EXPECT_TRUE(closed.told[WayChange::kDeath].empty());
+  closed.go(tracker, {9.0f, 0.52f}, {10.3f, 0.52f});
+  ASSERT_EQ(closed.told[WayChange::kDeath].size(), 1u);
+  EXPECT_LE(closed.told[WayChange::kDeath][0].walked, WayTrackerSettings{}.linger + 0.1f);
+}
+
+TEST(WayTracker, KeepsANameWhereWaysThatMetGoOnAsOne) {
+  // Around a block: the two ways meet behind it, then go on as one.
+  const std::vector<std::string_view> block{
+      "..................................", "..................................",
+      "............        ..............", "............        ..............",
+      "............        ..............", "............        ..............",
+      "..................................", ".................................."};
+  WayTracker tracker;
+  Walk walk(block, 9.0f);
+  walk.go(tracker, {1.02f, 2.03f}, {3.5f, 2.03f});
+  EXPECT_TRUE(walk.told[WayChange::kBirth].empty());
+  EXPECT_TRUE(walk.told[WayChange::kDeath].empty());
+}
+
+TEST(WayTracker, KeepsANameWhereTwoFrontsBecomeOne) {
+  // Two pieces of a circle of 5 m, then all of it between their outer ends: its middle is new.
+  const auto at = [](float angle) { return 5.0f * glm::vec2(std::cos(angle), std::sin(angle)); };
+  const auto graphOf = [&](std::vector<std::pair<float, float>> pieces) {
+    std::vector<LineWay> ways;
+    for (const auto& [from, to] : pieces) ways.push_back({{at(0.5f * (from + to))}});
+    PredictionGraph graph = lineGraph({0, 0}, 5.0f, ways);
+    for (const auto& [from, to] : pieces) {
+      graph.fronts.push_back({at(from), at(to), 5.0f * (to - from)});
+    }
+    return graph;
+  };
+  WayTracker tracker;
+  tracker.update(graphOf({{0.0f, 1.4f}, {1.6f, 2.6f}}));
+  const std::vector<WayId> two = idsOf(tracker);
+  tracker.update(graphOf({{0.0f, 2.6f}}));
+  ASSERT_EQ(tracker.ways().size(), 1u);
+  EXPECT_EQ(tracker.ways()[0].id, two[0]);  // the middle is on it
+  tracker.update(graphOf({{0.0f, 1.4f}, {1.6f, 2.6f}}));
+  EXPECT_EQ(idsOf(tracker), two);
 }
 
 TEST(WayTracker, TellsStoreysApart) {
