@@ -8,6 +8,7 @@
 
 #include "navmesh/plan.h"
 #include "prediction/distance_field.h"
+#include "prediction/front_arc.h"
 #include "prediction/front_graph.h"
 #include "service/parallel.h"
 
@@ -17,9 +18,8 @@ namespace {
 
 using prediction::PredictionGraph;
 
-constexpr double kExitGate = 1.5;    // metres from where the walk leaves to the way's end
-constexpr double kEndReached = 0.5;  // metres
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kExitGate = 1.5;     // metres from where the walk leaves to the way's end
+constexpr double kEndReached = 0.5;   // metres
 constexpr double kSamePlace = 0.1;    // metres
 constexpr double kLongestPath = 8.0;  // metres of a way that are kept
 
@@ -38,23 +38,6 @@ PredictionGraph nowhere(float horizon, glm::vec2 plan) {
   graph.flags = prediction::kSourceOffMesh;
   graph.source.plan = plan;
   return graph;
-}
-
-/// How far `place` is from where a way ends: from its front, where the method knows fronts. A front
-/// bulges between its ends, by the radius where it is half a circle: so much is let pass.
-double distanceToEnd(const PredictionGraph& graph, std::size_t terminal, glm::vec2 place) {
-  const double apart =
-      static_cast<double>(glm::distance(graph.node(graph.terminals[terminal]).plan, place));
-  if (graph.fronts.size() != graph.terminals.size()) return apart;
-  const prediction::Front& front = graph.fronts[terminal];
-  const glm::vec2 across = front.to - front.from;
-  const float squared = glm::dot(across, across);
-  const float share = squared > 0.0f
-                          ? std::clamp(glm::dot(place - front.from, across) / squared, 0.0f, 1.0f)
-                          : 0.0f;
-  const auto bulge = static_cast<double>(front.length) / kPi;
-  const double chord = static_cast<double>(glm::distance(front.from + share * across, place));
-  return std::min(apart, std::max(0.1 * chord, chord - bulge));
 }
 
 /// Mean distance of the walk from frame `from` to frame `to` off the taut path of a way.
@@ -81,6 +64,10 @@ void settle(Sample& sample, const PredictionGraph& graph, const prediction::Dist
             const std::vector<std::optional<navmesh::Location>>& places, double rate) {
   sample.outcome = Outcome::kUnsettled;
   std::vector<std::size_t> near;
+  std::vector<prediction::FrontLine> fronts;
+  for (std::size_t i = 0; i < graph.terminals.size(); ++i) {
+    fronts.push_back(prediction::frontLine(graph, i));
+  }
   for (std::size_t f = sample.frame; f < places.size(); ++f) {
     if (!places[f]) continue;
     const bool out = field.distanceAt(places[f]->polygon, places[f]->plan) >= graph.horizon;
@@ -91,7 +78,7 @@ void settle(Sample& sample, const PredictionGraph& graph, const prediction::Dist
       if (goesOn != out || (!goesOn && static_cast<double>(node.distance) < prediction::kArrived)) {
         return std::numeric_limits<double>::infinity();
       }
-      return distanceToEnd(graph, i, places[f]->plan);
+      return static_cast<double>(prediction::distanceToLine(places[f]->plan, fronts[i]));
     };
     for (std::size_t i = 0; i < graph.terminals.size(); ++i) {
       nearest = std::min(nearest, distanceTo(i));
@@ -221,6 +208,10 @@ RecordedWalk record(const navmesh::World& world, const rdw::Walk& walk, const Me
     }
 
     if (f % stride != 0 || !places[f] || facts.empty()) continue;
+    if (!recorded.samples.empty()) {
+      const RecordedFrame& before = recorded.frames[recorded.samples.back().frame];
+      if (glm::distance(before.plan, walked[f].plan) < settings.spacing) continue;
+    }
     Sample sample{};
     sample.frame = f;
     field.run(*places[f], settings.horizon);

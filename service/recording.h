@@ -29,6 +29,8 @@ struct RecordingSettings {
   float horizon = 5.0f;      ///< metres, > 0
   double rate = 15.0;        ///< frames per second, > 0
   double sampleEvery = 0.5;  ///< seconds between samples, > 0
+  double spacing = 0.0;  ///< metres between the places of samples, at least: somebody who stands
+                         ///< and looks about is asked but once
   prediction::WayTrackerSettings ways{};  ///< how they keep their names
 };
 

@@ -30,6 +30,7 @@ struct EvaluateOptions {
   std::string fitHorizons = "3,5";
   double rate = 15.0;
   double every = 0.5;
+  double spacing = 0.0;
   std::uint64_t seed = 1;
   std::filesystem::path out;
 };
@@ -44,9 +45,9 @@ tl::expected<Recordings, Error> trainingOf(const EvaluateOptions& options,
   const std::vector<float> horizons = parseSteps("--fit-horizons", options.fitHorizons);
   const auto add = [&](const navmesh::World& where, const std::vector<rdw::Walk>& who) {
     for (const float horizon : horizons) {
-      recordings.push_back(service::recordAll(where, who, methodNamed(options.method),
-                                              {horizon, options.rate, options.every},
-                                              options.scene.threads));
+      recordings.push_back(service::recordAll(
+          where, who, methodNamed(options.method),
+          {horizon, options.rate, options.every, options.spacing}, options.scene.threads));
     }
   };
   add(world, walks);
@@ -92,9 +93,9 @@ tl::expected<void, Error> run(const EvaluateOptions& options) {
   if (!walks) return tl::unexpected(walks.error());
   const auto world = loadWorld(options.scene);
   if (!world) return tl::unexpected(world.error());
-  const std::vector<service::RecordedWalk> recorded =
-      service::recordAll(**world, *walks, methodNamed(options.method),
-                         {options.horizon, options.rate, options.every}, options.scene.threads);
+  const std::vector<service::RecordedWalk> recorded = service::recordAll(
+      **world, *walks, methodNamed(options.method),
+      {options.horizon, options.rate, options.every, options.spacing}, options.scene.threads);
   if (auto on = checkOnNavMesh(recorded, options.scene.scene, options.walks); !on) return on;
 
   // The rivals get what the likelihood gets: each walker's is fitted on the others where there are
@@ -170,6 +171,10 @@ Verb addEvaluate(CLI::App& program) {
       ->capture_default_str();
   verb->add_option("--every", options->every, "Seconds between samples")
       ->check(CLI::Range(0.01, 60.0))
+      ->capture_default_str();
+  verb->add_option("--spacing", options->spacing,
+                   "Metres between the places of samples, at least; 0: sample by time alone")
+      ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   verb->add_option("--seed", options->seed, "Of the bootstrap")
       ->check(wholeNumber)

@@ -54,7 +54,7 @@ tl::expected<void, Error> run(const FitOptions& options) {
     record.trainedOn.push_back(std::move(from));
     for (const float horizon : horizons) {
       recordings.push_back(service::recordAll(**world, *walks, methodNamed(options.method),
-                                              {horizon, options.rate, options.every}));
+                                              {horizon, options.rate, options.every, 0.0}));
       if (auto on = checkOnNavMesh(recordings.back(), pair.scene, pair.walks); !on) return on;
     }
   }

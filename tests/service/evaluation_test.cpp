@@ -147,7 +147,7 @@ TEST(Record, SettlesWhichEndOfACorridorWasTaken) {
     walk.samples.push_back({0.1 * k, glm::dvec2(middle) + glm::dvec2(0.1 * k, 0.0)});
   }
   for (const MethodFactory& method : {MethodFactory(polygonMethod), MethodFactory(frontMethod)}) {
-    const RecordedWalk recorded = record(world, walk, method, {4.0f, 10.0, 1.0});
+    const RecordedWalk recorded = record(world, walk, method, {4.0f, 10.0, 1.0, 0.0});
     ASSERT_EQ(recorded.frames.size(), 81u);
     EXPECT_EQ(recorded.offMesh, 0u);
     EXPECT_NEAR(recorded.turnover.metres, 8.0, 0.5);
@@ -166,10 +166,35 @@ TEST(Record, SettlesWhichEndOfACorridorWasTaken) {
   }
 }
 
+TEST(Record, AsksSomebodyWhoStandsButOnceWhereSamplesAreSpaced) {
+  const navmesh::World world = corridorWorld();
+  rdw::Walk walk{"cat", {}};
+  const glm::dvec2 start =
+      glm::dvec2(world.graph.ringOf(navmesh::PolygonId{1})[0] + glm::vec2(1.0f, 2.0f));
+  for (int k = 0; k <= 200; ++k) {
+    // 4 m at 1 m/s, 10 s of standing, 6 m more.
+    const double metres = 0.1 * (k < 40 ? k : k < 140 ? 40 : k - 100);
+    walk.samples.push_back({0.1 * k, start + glm::dvec2(metres, 0.0)});
+  }
+  RecordingSettings settings;
+  settings.horizon = 4.0f;
+  settings.rate = 10.0;
+  const auto byTime = record(world, walk, frontMethod, settings);
+  settings.spacing = 1.0;
+  const auto spaced = record(world, walk, frontMethod, settings);
+  EXPECT_EQ(byTime.samples.size(), 41u);
+  EXPECT_EQ(spaced.samples.size(), 11u);
+  for (std::size_t i = 1; i < spaced.samples.size(); ++i) {
+    EXPECT_GE(spaced.frames[spaced.samples[i].frame].plan.x -
+                  spaced.frames[spaced.samples[i - 1].frame].plan.x,
+              1.0 - 1e-9);
+  }
+}
+
 TEST(Record, CountsFramesOffTheNavmesh) {
   const navmesh::World world = corridorWorld();
   const rdw::Walk walk{"bob", {{0.0, {1000.0, 1000.0}}, {2.0, {1000.5, 1000.0}}}};
-  const RecordedWalk recorded = record(world, walk, polygonMethod, {4.0f, 10.0, 0.5});
+  const RecordedWalk recorded = record(world, walk, polygonMethod, {4.0f, 10.0, 0.5, 0.0});
   EXPECT_EQ(recorded.offMesh, recorded.frames.size());
   EXPECT_TRUE(recorded.samples.empty());
 }
@@ -190,7 +215,7 @@ TEST(Record, SeesRecordedWalksOnTheirNavmeshWithTheirWaysInTheGraph) {
   ASSERT_TRUE(world);
   for (const MethodFactory& method : {MethodFactory(polygonMethod), MethodFactory(frontMethod)}) {
     const std::vector<RecordedWalk> recorded =
-        recordAll(**world, *walks, method, {3.0f, 15.0, 0.5});
+        recordAll(**world, *walks, method, {3.0f, 15.0, 0.5, 0.0});
     const Evaluation evaluation = evaluate(recorded, modelsFor(1, {}), 3.0f, 1);
     EXPECT_LT(static_cast<double>(evaluation.offMesh + evaluation.snapped),
               0.01 * static_cast<double>(evaluation.frames));
