@@ -200,7 +200,8 @@ std::string toGraphml(const PredictionGraph& graph) {
   };
   key("horizon", "graph", "double", "how far ahead was predicted, metres");
   key("kind", "node", "string", "source, branch or terminal");
-  key("reason", "node", "string", "why prediction stops at a terminal: horizon or dead_end");
+  key("reason", "node", "string",
+      "why prediction stops at a terminal: horizon, dead_end or meeting");
   key("branch", "node", "boolean", "a polygon with more than two neighbours");
   key("polygon", "node", "long", "of the navmesh");
   key("x", "node", "double", "world x, metres");
@@ -434,20 +435,23 @@ std::string counted(std::size_t count, std::string_view one, std::string_view ma
 }
 
 std::string describe(const PredictionGraph& graph) {
-  std::size_t branches = 0, horizon = 0, deadEnds = 0, joins = 0, loops = 0;
+  std::size_t branches = 0, horizon = 0, deadEnds = 0, meetings = 0, joins = 0, loops = 0;
   for (const Node& node : graph.nodes) {
     branches += node.branch;
     joins += node.kind == NodeKind::kJoin;
     horizon += node.reason == TerminalReason::kHorizon;
     deadEnds += node.reason == TerminalReason::kDeadEnd;
+    meetings += node.reason == TerminalReason::kMeeting;
   }
   for (const Edge& edge : graph.edges) loops += edge.kind == EdgeKind::kLoop;
   std::string text = fmt::format(
-      "Horizon {:.4g} m from ({:.4g}, {:.4g}, {:.4g}): {}, {} ({} at the horizon, {}), {}",
+      "Horizon {:.4g} m from ({:.4g}, {:.4g}, {:.4g}): {}, {} ({} at the horizon, {}{}), {}",
       graph.horizon, graph.source.plan.x, graph.source.height, -graph.source.plan.y,
       counted(branches, "branch node", "branch nodes"),
       counted(graph.terminals.size(), "terminal", "terminals"), horizon,
-      counted(deadEnds, "dead end", "dead ends"), counted(loops, "loop edge", "loop edges"));
+      counted(deadEnds, "dead end", "dead ends"),
+      meetings > 0 ? fmt::format(", {} in a meeting", meetings) : "",
+      counted(loops, "loop edge", "loop edges"));
   if (joins > 0) text += fmt::format(", {}", counted(joins, "join", "joins"));
   if (graph.flags & kPolygonLimit) {
     text += fmt::format("; polygon limit reached, complete to {:.4g} m only", graph.completeTo);
@@ -551,7 +555,7 @@ std::string toSvg(const NavGraph& navGraph, const PredictionGraph& graph, const 
     }
     drawing.endGroup();
   }
-  // How far off the dead ends are; the other terminals are all at the horizon.
+  // How far off the dead ends are; of the other terminals most are at the horizon.
   Labels labels;
   for (const Node& node : graph.nodes) labels.block(page.at(node.plan), 5);
   labels.block(page.at(graph.source.plan), 14);

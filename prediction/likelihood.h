@@ -30,24 +30,24 @@ namespace forewalk::prediction {
 /// The few numbers of the likelihood. Defaults are those of assets/likelihood/default.json, fitted
 /// on twelve recorded walks; head and gaze cannot be fitted there and are cautious guesses.
 struct LikelihoodParameters {
-  double concentration = 3.627;  ///< of walking directions about the way taken (von Mises), >= 0
-  double farShare = 0.5041;  ///< how much of the direction is that at 3 m, the rest at 1 m, [0, 1]
-  double turnsRound = 0.05577;   ///< share of uniform directions, whatever the way, (0, 1]
-  double forgetMetres = 0.4421;  ///< evidence is forgotten over so many metres walked, > 0
-  double forgetSeconds = 13.84;  ///< and over so many seconds, > 0
-  double steady = 0.5462;        ///< how much evidence a full memory is worth; 1: as that of one
+  double concentration = 3.349;  ///< of walking directions about the way taken (von Mises), >= 0
+  double farShare = 0.4933;  ///< how much of the direction is that at 3 m, the rest at 1 m, [0, 1]
+  double turnsRound = 0.06465;   ///< share of uniform directions, whatever the way, (0, 1]
+  double forgetMetres = 0.4877;  ///< evidence is forgotten over so many metres walked, > 0
+  double forgetSeconds = 12.59;  ///< and over so many seconds, > 0
+  double steady = 0.6156;        ///< how much evidence a full memory is worth; 1: as that of one
                                  ///< direction, > 0
-  double branchSplit = 0.1715;  ///< 0: ways are alike; 1: mass splits evenly at each branch; [0, 1]
-  double deadEnd = -1.669;      ///< log odds of a way that ends within the horizon
-  double retrace = -0.892;      ///< log odds of the way back along the path just walked
-  double revisit = -0.6225;     ///< log odds of a way that leads to where the user was before that
-  double noneShare = 0.03069;   ///< prior odds of none of the ways, (0, 1)
+  double branchSplit = 0.1647;  ///< 0: ways are alike; 1: mass splits evenly at each branch; [0, 1]
+  double deadEnd = -1.739;      ///< log odds of a way that ends within the horizon
+  double retrace = -0.7097;     ///< log odds of the way back along the path just walked
+  double revisit = -0.5454;     ///< log odds of a way that leads to where the user was before that
+  double noneShare = 0.004512;  ///< prior odds of none of the ways, (0, 1)
   double head = 1.0;            ///< concentration of head directions about the way, >= 0
   double gaze = 0.5;            ///< the same of gaze directions
   double lookSeconds = 1.0;     ///< how long a look counts, > 0
-  double paceMemory = 3.099;    ///< speed goes over to the cruise within so many seconds, > 0
-  double cruise = 0.4549;       ///< mean speed of progress, m/s, >= 0
-  double inertia = 1.91;  ///< motion beside the way ahead dies out within so many seconds, > 0
+  double paceMemory = 3.13;     ///< speed goes over to the cruise within so many seconds, > 0
+  double cruise = 0.4463;       ///< mean speed of progress, m/s, >= 0
+  double inertia = 2.094;  ///< motion beside the way ahead dies out within so many seconds, > 0
 };
 
 /// Velocity from positions: an exponential mean that follows within 0.2 s, whatever the frame rate.

@@ -147,6 +147,10 @@ GraphMaker frontMethod(const navmesh::World& world) {
       };
 }
 
+MethodFactory factoryOf(prediction::Method method) {
+  return method == prediction::Method::kFront ? frontMethod : polygonMethod;
+}
+
 RecordedWalk record(const navmesh::World& world, const rdw::Walk& walk, const MethodFactory& method,
                     const RecordingSettings& settings) {
   RecordedWalk recorded;

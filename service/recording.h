@@ -112,5 +112,7 @@ std::vector<RecordedWalk> recordAll(const navmesh::World& world, std::span<const
 GraphMaker polygonMethod(const navmesh::World& world);
 /// Real junctions (prediction/front_graph.h).
 GraphMaker frontMethod(const navmesh::World& world);
+/// One of the two.
+MethodFactory factoryOf(prediction::Method method);
 
 }  // namespace forewalk::service

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "rdw/simulation.h"
+#include "service/cli/method_option.h"
 #include "service/cli/scene_options.h"
 #include "service/cli/verb.h"
 #include "service/cli/walks_options.h"
 #include "service/files.h"
-#include "service/likelihood_file.h"
 #include "service/walk_animation.h"
 
 namespace forewalk::cli {
@@ -24,7 +24,7 @@ struct AnimateOptions {
   std::filesystem::path walks;
   std::string walker;
   std::uint64_t seed = 1;
-  std::string method = methodNames().back();
+  prediction::Method method = prediction::Method::kFront;
   std::filesystem::path likelihood;
   service::WalkAnimationSettings animation;
   std::filesystem::path out;
@@ -68,12 +68,8 @@ tl::expected<void, Error> run(const AnimateOptions& options) {
     throw CLI::ValidationError("--walker", "names one of WALKS; give that file too");
   }
   if (auto writable = service::checkWritable(options.out); !writable) return writable;
-  prediction::LikelihoodParameters parameters;
-  if (!options.likelihood.empty()) {
-    const auto read = service::readLikelihood(options.likelihood);
-    if (!read) return tl::unexpected(read.error());
-    parameters = *read;
-  }
+  const auto parameters = likelihoodOf(options.likelihood);
+  if (!parameters) return tl::unexpected(parameters.error());
   const auto world = loadWorld(options.scene);
   if (!world) return tl::unexpected(world.error());
   const auto walk = options.walks.empty() ? wandered(options, *world) : recorded(options);
@@ -90,8 +86,8 @@ tl::expected<void, Error> run(const AnimateOptions& options) {
       options.walks.empty() ? "a simulated walk" : fmt::format("walker {}", walk->walker),
       options.animation.horizon, options.animation.step);
   return service::writeFile(
-      options.out, service::animateWalk(**world, *walk, methodNamed(options.method), parameters,
-                                        options.animation,
+      options.out, service::animateWalk(**world, *walk, service::factoryOf(options.method),
+                                        *parameters, options.animation,
                                         "The ways ahead, as wide as they are likely", subtitle));
 }
 
@@ -118,12 +114,8 @@ Verb addAnimate(CLI::App& program) {
   verb->add_option("--horizon", options->animation.horizon, "How far ways go, metres")
       ->check(CLI::Range(0.1f, 1000.0f))
       ->capture_default_str();
-  verb->add_option("--method", options->method, "How ways are predicted")
-      ->check(CLI::IsMember(methodNames()))
-      ->capture_default_str();
-  verb->add_option("--likelihood", options->likelihood,
-                   "Parameters (JSON, from forewalk fit); default: the built-in ones")
-      ->check(fileName);
+  addMethodOption(*verb, options->method);
+  addLikelihoodOption(*verb, options->likelihood);
   verb->add_option("--out", options->out, "SVG to write; - is stdout")->required()->check(fileName);
   verb->footer(
       "Examples:\n"

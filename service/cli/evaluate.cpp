@@ -7,13 +7,13 @@
 #include <memory>
 #include <string>
 
+#include "service/cli/method_option.h"
 #include "service/cli/scene_options.h"
 #include "service/cli/verb.h"
 #include "service/cli/walks_options.h"
 #include "service/console.h"
 #include "service/files.h"
 #include "service/fitting.h"
-#include "service/likelihood_file.h"
 #include "service/parallel.h"
 
 namespace forewalk::cli {
@@ -23,7 +23,7 @@ struct EvaluateOptions {
   SceneOptions scene;
   std::filesystem::path walks;
   float horizon = 5.0f;
-  std::string method = methodNames().back();
+  prediction::Method method = prediction::Method::kFront;
   std::filesystem::path likelihood;
   bool folds = false;
   std::vector<std::string> train;
@@ -46,7 +46,7 @@ tl::expected<Recordings, Error> trainingOf(const EvaluateOptions& options,
   const auto add = [&](const navmesh::World& where, const std::vector<rdw::Walk>& who) {
     for (const float horizon : horizons) {
       recordings.push_back(service::recordAll(
-          where, who, methodNamed(options.method),
+          where, who, service::factoryOf(options.method),
           {horizon, options.rate, options.every, options.spacing}, options.scene.threads));
     }
   };
@@ -83,25 +83,21 @@ tl::expected<void, Error> run(const EvaluateOptions& options) {
   if (!options.likelihood.empty() && options.folds) {
     throw CLI::ValidationError("--likelihood", "has no effect with --folds; leave one of them out");
   }
-  prediction::LikelihoodParameters parameters;
-  if (!options.likelihood.empty()) {
-    const auto read = service::readLikelihood(options.likelihood);
-    if (!read) return tl::unexpected(read.error());
-    parameters = *read;
-  }
+  const auto parameters = likelihoodOf(options.likelihood);
+  if (!parameters) return tl::unexpected(parameters.error());
   const auto walks = loadWalks(options.walks);
   if (!walks) return tl::unexpected(walks.error());
   const auto world = loadWorld(options.scene);
   if (!world) return tl::unexpected(world.error());
   const std::vector<service::RecordedWalk> recorded = service::recordAll(
-      **world, *walks, methodNamed(options.method),
+      **world, *walks, service::factoryOf(options.method),
       {options.horizon, options.rate, options.every, options.spacing}, options.scene.threads);
   if (auto on = checkOnNavMesh(recorded, options.scene.scene, options.walks); !on) return on;
 
   // The rivals get what the likelihood gets: each walker's is fitted on the others where there are
   // folds.
   service::EvaluationModels models;
-  models.likelihood.assign(walks->size(), parameters);
+  models.likelihood.assign(walks->size(), *parameters);
   models.cosine.assign(walks->size(), 1.0);
   Recordings training;
   if (options.folds) {
@@ -153,12 +149,8 @@ Verb addEvaluate(CLI::App& program) {
   verb->add_option("--horizon", options->horizon, "How far ways go, metres")
       ->check(CLI::Range(0.1f, 10000.0f))
       ->capture_default_str();
-  verb->add_option("--method", options->method, "How ways are predicted")
-      ->check(CLI::IsMember(methodNames()))
-      ->capture_default_str();
-  verb->add_option("--likelihood", options->likelihood,
-                   "Parameters (JSON, from forewalk fit); default: the built-in ones")
-      ->check(fileName);
+  addMethodOption(*verb, options->method);
+  addLikelihoodOption(*verb, options->likelihood);
   verb->add_flag("--folds", options->folds,
                  "Leave one walker out: predict each by a fit on the others");
   verb->add_option("--train", options->train,

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "service/cli/method_option.h"
 #include "service/cli/verb.h"
 #include "service/cli/walks_options.h"
 #include "service/console.h"
@@ -20,7 +21,7 @@ namespace {
 struct FitOptions {
   std::vector<std::string> pairs;
   std::string horizons = "3,5";
-  std::string method = methodNames().back();
+  prediction::Method method = prediction::Method::kFront;
   float radius = 0.25f;
   double rate = 15.0;
   double every = 0.5;
@@ -36,7 +37,7 @@ tl::expected<void, Error> run(const FitOptions& options) {
   }
   const std::vector<float> horizons = parseSteps("--horizons", options.horizons);
   if (auto writable = service::checkWritable(options.out); !writable) return writable;
-  record.method = options.method;
+  record.method = nameOf(options.method);
   for (const float horizon : horizons) record.horizons.push_back(static_cast<double>(horizon));
 
   std::vector<std::vector<service::RecordedWalk>> recordings;
@@ -53,7 +54,7 @@ tl::expected<void, Error> run(const FitOptions& options) {
     for (const rdw::Walk& walk : *walks) from.walkers.push_back(walk.walker);
     record.trainedOn.push_back(std::move(from));
     for (const float horizon : horizons) {
-      recordings.push_back(service::recordAll(**world, *walks, methodNamed(options.method),
+      recordings.push_back(service::recordAll(**world, *walks, service::factoryOf(options.method),
                                               {horizon, options.rate, options.every, 0.0}));
       if (auto on = checkOnNavMesh(recordings.back(), pair.scene, pair.walks); !on) return on;
     }
@@ -93,9 +94,7 @@ Verb addFit(CLI::App& program) {
   verb->add_option("--horizons", options->horizons,
                    "How far ways go: a,b,c or from:to:step, metres")
       ->capture_default_str();
-  verb->add_option("--method", options->method, "How ways are predicted")
-      ->check(CLI::IsMember(methodNames()))
-      ->capture_default_str();
+  addMethodOption(*verb, options->method);
   verb->add_option("--radius", options->radius, "Of the walker, metres")
       ->check(CLI::Range(0.0f, 10.0f))
       ->capture_default_str();

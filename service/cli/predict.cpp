@@ -15,6 +15,7 @@
 #include "prediction/dump.h"
 #include "prediction/front_graph.h"
 #include "service/cli/links_option.h"
+#include "service/cli/method_option.h"
 #include "service/cli/scene_options.h"
 #include "service/cli/verb.h"
 #include "service/files.h"
@@ -28,7 +29,7 @@ struct PredictOptions {
   std::string at;
   std::optional<float> headingDegrees;
   float horizon = 20.0f;
-  std::string method = "polygon";
+  prediction::Method method = prediction::Method::kPolygon;
   float persistence = prediction::FrontSettings{}.persistence;
   std::string format;
   bool distances = false;
@@ -89,6 +90,7 @@ tl::expected<void, Error> run(const PredictOptions& options) {
     if (!links) return tl::unexpected(std::move(links.error()));
     navmesh::setLinks(navGraph, std::move(*links), states);
   }
+  const bool byFronts = options.method == prediction::Method::kFront;
   prediction::PredictionLimits limits;
   limits.polygons = std::max(limits.polygons, navGraph.polygonCount());
   prediction::Scratch scratch(navGraph, limits);
@@ -142,12 +144,7 @@ Verb addPredict(CLI::App& program) {
       "Where the user looks, degrees: 0 is -z, counter-clockwise positive; drawn in the plan");
   verb->add_option("--horizon", options->horizon, "How far ahead, metres along the path")
       ->capture_default_str();
-  verb->add_option(
-          "--method", options->method,
-          "polygon: the paper's graph, polygon by polygon; front: real junctions, found by "
-          "following the front of all points at one distance")
-      ->check(CLI::IsMember({"polygon", "front"}))
-      ->capture_default_str();
+  addMethodOption(*verb, options->method);
   verb->add_option("--persistence", options->persistence,
                    "For --method front: ways shorter than this, metres, are part of the one they "
                    "leave")

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
+#include "service/cli/verb.h"
 #include "service/files.h"
+#include "service/likelihood_file.h"
 
 namespace forewalk::cli {
 
@@ -43,10 +43,17 @@ tl::expected<void, Error> checkOnNavMesh(std::span<const service::RecordedWalk> 
           scene.string(), samples)});
 }
 
-std::vector<std::string> methodNames() { return {"polygon", "front"}; }
+CLI::Option* addLikelihoodOption(CLI::App& verb, std::filesystem::path& file) {
+  return verb
+      .add_option("--likelihood", file,
+                  "Parameters (JSON, from forewalk fit); default: the built-in ones")
+      ->check(fileName);
+}
 
-service::MethodFactory methodNamed(const std::string& name) {
-  return name == "polygon" ? service::polygonMethod : service::frontMethod;
+tl::expected<prediction::LikelihoodParameters, Error> likelihoodOf(
+    const std::filesystem::path& file) {
+  if (file.empty()) return prediction::LikelihoodParameters{};
+  return service::readLikelihood(file);
 }
 
 }  // namespace forewalk::cli

@@ -1,6 +1,7 @@
-// What `fit` and `evaluate` share: recorded walks, and the method that predicts their ways.
+// What `fit`, `evaluate` and `animate` share: recorded walks, and how likely their ways are.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <tl/expected.hpp>
@@ -29,8 +30,11 @@ SceneAndWalks parseSceneAndWalks(const std::string& option, const std::string& t
                                                        const std::filesystem::path& scene,
                                                        const std::filesystem::path& file);
 
-/// The names of methods that predict ways, and what they stand for.
-std::vector<std::string> methodNames();
-service::MethodFactory methodNamed(const std::string& name);
+/// --likelihood: a file of parameters, read into `file`, which lives as long as `verb` is parsed.
+CLI::Option* addLikelihoodOption(CLI::App& verb, std::filesystem::path& file);
+
+/// The parameters of such a file; the built-in ones where none was named. Fails as readLikelihood.
+[[nodiscard]] tl::expected<prediction::LikelihoodParameters, Error> likelihoodOf(
+    const std::filesystem::path& file);
 
 }  // namespace forewalk::cli

@@ -234,6 +234,16 @@ TEST(Svg, HasAMarkForEveryNode) {
   EXPECT_EQ(count(text, "stroke=\"#1f9d55\""), deadEnds + 1);
 }
 
+TEST(Svg, CountsTheMeetingsAmongTheTerminals) {
+  Predicted p = predicted(6, 6, 9.0f);
+  ASSERT_FALSE(p.graph.terminals.empty());
+  EXPECT_EQ(toSvg(p.world.graph, p.graph).find("in a meeting"), std::string::npos);
+  for (const NodeId id : {p.graph.terminals.front(), p.graph.terminals.back()}) {
+    p.graph.nodes[index(id)].reason = TerminalReason::kMeeting;
+  }
+  EXPECT_NE(toSvg(p.world.graph, p.graph).find(", 2 in a meeting)"), std::string::npos);
+}
+
 TEST(Svg, StaysWithinItsPage) {
   const Predicted p = predicted(40, 4, 5.0f);
   const std::string text = toSvg(p.world.graph, p.graph);
