@@ -1,0 +1,25 @@
+// Every avoidance model there is, for the tests that all of them have to pass.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "agents/models/orca.h"
+
+namespace forewalk::agents::testing {
+
+struct NamedModel {
+  std::string name;
+  std::function<std::unique_ptr<const Model>()> make;
+};
+
+/// A new model adds a line.
+inline std::vector<NamedModel> allModels() {
+  return {
+      {"orca", [] { return makeOrca(); }},
+  };
+}
+
+}  // namespace forewalk::agents::testing

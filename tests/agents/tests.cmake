@@ -1,0 +1,2 @@
+# Tests of agents/, one forewalk_test() a file.
+forewalk_test(agents/crowd_test.cpp LIBS forewalk::agents)
