@@ -278,7 +278,8 @@ const Neighbourhoods& NeighbourIndex::gather(const AgentsView& agents, const Wal
           nearest(self, needs->neighbourRadius, std::min(needs->neighbourCount, n - 1),
                   neighbours_.data() + row.neighbours);
       std::vector<NearWall>& found = wallScratch_[slice];
-      walls.nearest(self.position, self.height, needs->wallRadius, needs->wallCount, found);
+      walls.nearest(self.position, self.height, needs->wallRadius + agents.radius[self.index],
+                    needs->wallCount, found);
       std::copy(found.begin(), found.end(), nearWalls_.begin() + row.walls);
       row.wallCount = static_cast<std::uint32_t>(found.size());
     }

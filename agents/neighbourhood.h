@@ -20,12 +20,13 @@ namespace forewalk::agents {
 struct Needs {
   float neighbourRadius = 5.0f;       ///< centre to centre, metres
   std::uint32_t neighbourCount = 10;  ///< the nearest so many; 0: none
-  float wallRadius = 5.0f;       ///< centre to the nearest point of a wall (a circle's rim), metres
-  std::uint32_t wallCount = 16;  ///< the nearest so many; 0: none
-  float period = 0.0f;           ///< plan anew after so many seconds; 0: every tick
-  float longestSubStep = 0.0f;   ///< seconds; 0: any. A tick is cut into equal sub-steps no longer
-                                 ///< than this, and the model plans in each of them
-  std::uint32_t memory = 0;      ///< floats kept for each agent, see Memory
+  float wallRadius = 5.0f;            ///< from the body to the nearest point of a wall (a circle's
+                                      ///< rim), metres
+  std::uint32_t wallCount = 16;       ///< the nearest so many; 0: none
+  float period = 0.0f;                ///< plan anew after so many seconds; 0: every tick
+  float longestSubStep = 0.0f;  ///< seconds; 0: any. A tick is cut into equal sub-steps no longer
+                                ///< than this, and the model plans in each of them
+  std::uint32_t memory = 0;     ///< floats kept for each agent, see Memory
 };
 
 struct Neighbour {

@@ -29,6 +29,8 @@ struct Wall {
   float toHeight;
   float reach;         ///< how far above and below it still counts, metres; infinity: any height
   glm::vec2 velocity;  ///< m/s; 0 for what stands
+  float attraction = 0.0f;  ///< how much people like to stop there (a shop window), share of what
+                            ///< their model has for it; 0: not at all
 
   bool isCircle() const { return from == to; }
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "agents/models/orca.h"
+#include "agents/models/social_forces.h"
 
 namespace forewalk::agents::testing {
 
@@ -19,6 +20,7 @@ struct NamedModel {
 inline std::vector<NamedModel> allModels() {
   return {
       {"orca", [] { return makeOrca(); }},
+      {"social-forces", [] { return makeSocialForces(); }},
   };
 }
 
