@@ -151,6 +151,7 @@ void NeighbourIndex::build(const AgentsView& agents, float reach) {
     high = glm::max(high, agents.position[i]);
     widest = std::max(widest, agents.radius[i]);
   }
+  widest_ = widest;
   origin_ = low;
   // About four agents a cell, and never finer than a body or coarser than what is asked for.
   const glm::dvec2 size = glm::dvec2(high) - glm::dvec2(low);
@@ -176,7 +177,7 @@ void NeighbourIndex::build(const AgentsView& agents, float reach) {
   }
   for (std::size_t c = 2; c < cellStart_.size(); ++c) cellStart_[c] += cellStart_[c - 1];
   for (std::uint32_t i = 0; i < n; ++i) {
-    sorted_[cellStart_[cellOf_[i] + 1]++] = {agents.position[i], agents.height[i],
+    sorted_[cellStart_[cellOf_[i] + 1]++] = {agents.position[i], agents.height[i], agents.radius[i],
                                              number(agents.id[i]), i};
   }
 }
@@ -188,13 +189,15 @@ std::uint32_t NeighbourIndex::nearest(const Entry& self, float radius, std::uint
                                       Neighbour* found) const {
   if (count == 0) return 0;
   std::uint32_t size = 0;
-  float limit = squared(radius);
+  // Until the row is full, whoever is within `radius` of the body with theirs.
+  const float reach = radius + self.radius;
+  float limit = squared(reach + widest_);
   std::uint32_t limitId = 0xffffffffu;  // of the last in the row, once it is full
   const auto offer = [&](const Entry& other) {
     const glm::vec2 apart = other.position - self.position;
     const float squaredDistance = apart.x * apart.x + apart.y * apart.y;
     if (!(squaredDistance <= limit)) return;
-    if (other.index == self.index) return;
+    if (other.index == self.index || squaredDistance > squared(reach + other.radius)) return;
     if (!(std::abs(other.height - self.height) <= kStoreyReach)) return;
     if (size == count && squaredDistance == limit && other.id > limitId) return;
     std::uint32_t at = size < count ? size : count - 1;

@@ -18,7 +18,7 @@ namespace forewalk::agents {
 
 /// What a model has to see, and how often.
 struct Needs {
-  float neighbourRadius = 5.0f;       ///< centre to centre, metres
+  float neighbourRadius = 5.0f;       ///< from body to body, metres
   std::uint32_t neighbourCount = 10;  ///< the nearest so many; 0: none
   float wallRadius = 5.0f;            ///< from the body to the nearest point of a wall (a circle's
                                       ///< rim), metres
@@ -89,8 +89,8 @@ class WallIndex {
 /// The index of agents, and the rows gathered from it.
 class NeighbourIndex {
  public:
-  /// Sorts all agents into cells. `reach` is the largest radius anybody will ask for, metres.
-  /// O(agents + cells), cells at most 8 times the agents.
+  /// Sorts all agents into cells. `reach` is the largest neighbourRadius anybody will ask for,
+  /// metres. O(agents + cells), cells at most 8 times the agents.
   void build(const AgentsView& agents, float reach);
 
   /// Gathers the rows of all agents, each with the needs at `needsOf[agent]` (null: an empty row).
@@ -122,6 +122,7 @@ class NeighbourIndex {
   struct Entry {
     glm::vec2 position;
     float height;
+    float radius;
     std::uint32_t id;
     std::uint32_t index;
   };
@@ -132,7 +133,7 @@ class NeighbourIndex {
 
   glm::vec2 origin_{0.0f};
   float cell_ = 1.0f;
-  float perCell_ = 1.0f;
+  float widest_ = 0.0f;  // the largest radius
   int columns_ = 0, rows_ = 0;
   std::vector<std::uint32_t> cellStart_;
   std::vector<std::uint32_t> cellOf_;

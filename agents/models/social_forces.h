@@ -24,9 +24,9 @@ namespace forewalk::agents {
 struct SocialForceParameters {
   float relaxation = 0.5f;  ///< tau: seconds in which the preferred velocity is taken up, > 0
 
-  float socialStrength = 25.0f;  ///< alpha, m/s^2 at touch
+  float socialStrength = 40.0f;  ///< alpha, m/s^2 at touch
   float socialRange = 0.08f;     ///< beta, metres, > 0
-  float wallStrength = 25.0f;    ///< A, m/s^2 at touch
+  float wallStrength = 40.0f;    ///< A, m/s^2 at touch
   float wallRange = 0.08f;       ///< B, metres, > 0
 
   // Of friends (the same group, not 0), and of walls that attract (Wall::attraction).
@@ -40,10 +40,10 @@ struct SocialForceParameters {
   float contactStiffness = 1500.0f;  ///< kappa, 1/s^2: push per metre of overlap, >= 0
   float friction = 0.5f;             ///< lambda: friction per push, >= 0
 
-  float biasStrength = 12.5f;  ///< gamma, m/s^2 at touch of the swept body; 0: no bias
-  float biasRange = 0.3f;      ///< epsilon, metres, > 0
-  float biasSeconds = 1.0f;    ///< how far ahead neighbours are swept
-  float sameWay = 0.7f;        ///< none from those whose heading differs less than this cosine
+  float biasStrength = 3.0f;  ///< gamma, m/s^2 at touch of the swept body; 0: no bias
+  float biasRange = 0.3f;     ///< epsilon, metres, > 0
+  float biasSeconds = 0.5f;   ///< how far ahead neighbours are swept
+  float sameWay = 0.7f;       ///< none from those whose heading differs less than this cosine
 
   float projectedSeconds = 0.75f;  ///< t_p: how far ahead the way point lies
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "agents/models/hrvo.h"
 #include "agents/models/orca.h"
 #include "agents/models/social_forces.h"
 
@@ -20,6 +21,7 @@ struct NamedModel {
 inline std::vector<NamedModel> allModels() {
   return {
       {"orca", [] { return makeOrca(); }},
+      {"hrvo", [] { return makeHrvo(); }},
       {"social-forces", [] { return makeSocialForces(); }},
   };
 }
