@@ -8,6 +8,8 @@
 namespace forewalk::agents {
 namespace {
 
+constexpr float kGap = 1e-3f;  // share of the radii's sum
+
 bool stays(const AgentsView& agents, std::uint32_t agent) {
   return (agents.flags[agent] & (kHuman | kStatic)) != 0;
 }
@@ -122,7 +124,9 @@ float Projection::apply(const AgentsView& agents, std::span<const glm::vec2> bef
         float count = 0.0f;
         for (std::uint32_t k = row.contacts; k < row.contacts + row.contactCount; ++k) {
           const std::uint32_t j = own.contacts[k].index;
-          const float depth = depthOf(agents, i, j, now_[i], now_[j]);
+          // A hair's gap is left, so that models do not take who stands close for who overlaps.
+          const float depth = depthOf(agents, i, j, now_[i], now_[j]) +
+                              kGap * (agents.radius[i] + agents.radius[j]);
           if (depth <= 0.0f) continue;
           own.deepest = std::max(own.deepest, depth / (agents.radius[i] + agents.radius[j]));
           const float share = stays(agents, j) ? 1.0f : 0.5f;
@@ -140,7 +144,7 @@ float Projection::apply(const AgentsView& agents, std::span<const glm::vec2> bef
     std::swap(now_, next_);
     float deepest = 0.0f;
     for (const Slice& own : slices_) deepest = std::max(deepest, own.deepest);
-    if (deepest <= 0.25f * settings.tolerance) break;
+    if (deepest <= kGap + 0.25f * settings.tolerance) break;
   }
 
   // Undo what is still too deep, until nobody is undone any more.

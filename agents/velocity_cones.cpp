@@ -13,44 +13,75 @@ namespace {
 using navmesh::cross;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNoCut = -kInfinity;
-constexpr std::uint32_t kNoCone = 0xffffffffu;
 
 float squaredLength(glm::vec2 v) { return glm::dot(v, v); }
 
-/// Keeps the nearest free candidate.
-class Nearest {
- public:
-  Nearest(std::span<const VelocityCone> cones, glm::vec2 preferred, float maximumSpeed)
-      : cones_(cones),
-        preferred_(preferred),
-        squaredSpeed_(maximumSpeed * maximumSpeed * 1.0001f + 1e-8f) {}
-
-  float squaredDistance() const { return best_; }
-  glm::vec2 velocity() const { return velocity_; }
-
-  /// `a` and `b`: the cones on whose border it lies.
-  void offer(glm::vec2 v, std::uint32_t a, std::uint32_t b = kNoCone) {
-    const float distance = squaredLength(v - preferred_);
-    if (!(distance < best_) || squaredLength(v) > squaredSpeed_) return;
-    // Who forbade the last candidate is likely to forbid this one too.
-    if (last_ != a && last_ != b && last_ < cones_.size() && cones_[last_].forbids(v)) return;
-    for (std::uint32_t c = 0; c < cones_.size(); ++c) {
-      if (c == a || c == b || !cones_[c].forbids(v)) continue;
-      last_ = c;
-      return;
+/// Sets scratch.from and scratch.to to the stretch of a line that each cone forbids, an
+/// intersection of three half-lines; empty where from >= to. All cones in one loop without
+/// branches.
+void forbiddenOn(const ConeScratch::Edge& edge, ConeScratch& scratch) {
+  const std::size_t n = scratch.from.size();
+  const glm::vec2 point = edge.point, direction = edge.direction;
+  const float* const sides = scratch.sides.data();
+  float* const from = scratch.from.data();
+  float* const to = scratch.to.data();
+  for (std::size_t c = 0; c < n; ++c) {
+    float low = -kInfinity, high = kInfinity;
+    // Forbidden is where offset + slope * t > kOnBorder.
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float* const side = sides + 3 * k * n;
+      const float room =
+          VelocityCone::kOnBorder - (side[c] * point.x + side[n + c] * point.y - side[2 * n + c]);
+      const float slope = side[c] * direction.x + side[n + c] * direction.y;
+      const float at = room / slope;
+      const bool rises = slope > 1e-7f, falls = slope < -1e-7f;
+      const float lower = rises ? at : -kInfinity;
+      const float never = room >= 0.0f ? -kInfinity : kInfinity;
+      const float level = rises ? kInfinity : never;
+      const float upper = falls ? at : level;
+      low = low > lower ? low : lower;
+      high = high < upper ? high : upper;
     }
-    best_ = distance;
-    velocity_ = v;
+    from[c] = low;
+    to[c] = high;
   }
+}
 
- private:
-  std::span<const VelocityCone> cones_;
-  glm::vec2 preferred_;
-  float squaredSpeed_;
-  float best_ = kInfinity;
-  glm::vec2 velocity_{0.0f};
-  std::uint32_t last_ = kNoCone;
-};
+/// The cones as three rows of half-planes each, dot(normal, v) > offset, for forbiddenOn.
+void setSides(std::span<const VelocityCone> cones, ConeScratch& scratch) {
+  const std::size_t n = cones.size();
+  scratch.from.resize(n);
+  scratch.to.resize(n);
+  scratch.sides.resize(9 * n);
+  for (std::size_t c = 0; c < n; ++c) {
+    const VelocityCone& cone = cones[c];
+    const glm::vec2 normals[3] = {
+        {-cone.right.y, cone.right.x}, {cone.left.y, -cone.left.x}, cone.cutDirection};
+    for (std::size_t k = 0; k < 3; ++k) {
+      float* const side = scratch.sides.data() + 3 * k * n + c;
+      side[0] = normals[k].x;
+      side[n] = normals[k].y;
+      side[2 * n] = glm::dot(normals[k], cone.apex) + (k == 2 ? cone.cut : 0.0f);
+    }
+  }
+}
+
+/// The nearest point of an edge that is free, from `start` by steps of whole stretches, upward or
+/// downward; beyond the edge's end or `limit` where there is none.
+float freeFrom(float start, bool up, float limit, const ConeScratch& scratch) {
+  const std::size_t n = scratch.from.size();
+  float at = start;
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (std::size_t c = 0; c < n; ++c) {
+      if (!(scratch.from[c] < at && at < scratch.to[c])) continue;
+      at = up ? scratch.to[c] : scratch.from[c];
+      moved = true;
+    }
+    if (up ? at > limit : at < limit) return at;
+  }
+  return at;
+}
 
 /// Seconds until the cone's disc is touched at velocity `v`; 0 where it is already. Infinity:
 /// never.
@@ -101,7 +132,8 @@ VelocityCone halfPlaneCone(glm::vec2 towards, glm::vec2 apex, float speed) {
 
 bool nearestFree(std::span<const VelocityCone> cones, glm::vec2 preferred, float maximumSpeed,
                  float side, ConeScratch& scratch, glm::vec2& velocity) {
-  scratch.edges.clear();
+  auto& edges = scratch.edges;
+  edges.clear();
   velocity = preferred;
   bool free = true;
   for (const VelocityCone& cone : cones) {
@@ -111,15 +143,18 @@ bool nearestFree(std::span<const VelocityCone> cones, glm::vec2 preferred, float
   }
   if (free) return true;
 
-  Nearest nearest(cones, preferred, maximumSpeed);
-  auto& edges = scratch.edges;
-  for (std::uint32_t c = 0; c < cones.size(); ++c) {
-    const VelocityCone& cone = cones[c];
+  for (const VelocityCone& cone : cones) {
     const auto add = [&](glm::vec2 point, glm::vec2 direction, float from) {
-      const float across = cross(direction, preferred - point);
-      edges.push_back({point, direction, from, across * across, c});
-      const float along = glm::dot(direction, preferred - point);
-      if (along >= from) nearest.offer(point + along * direction, c);
+      const float along = glm::dot(direction, point);
+      const float discriminant = along * along + maximumSpeed * maximumSpeed - squaredLength(point);
+      if (discriminant <= 0.0f) return;  // nowhere slow enough
+      const float half = std::sqrt(discriminant);
+      const float low = std::max(from, -along - half), high = -along + half;
+      if (low > high) return;
+      const float foot = glm::dot(direction, preferred - point);
+      const float start = std::clamp(foot, low, high);
+      edges.push_back({point, direction, low, high, foot, start,
+                       squaredLength(point + start * direction - preferred)});
     };
     // Of two equally near the first one stays: the side to take comes first.
     add(cone.apex, side >= 0.0f ? cone.left : cone.right, 0.0f);
@@ -129,34 +164,41 @@ bool nearestFree(std::span<const VelocityCone> cones, glm::vec2 preferred, float
           side * glm::vec2(-cone.cutDirection.y, cone.cutDirection.x), -kInfinity);
     }
   }
-  for (const ConeScratch::Edge& edge : edges) {
-    if (edge.squaredDistance >= nearest.squaredDistance()) continue;
-    // |point + t * direction| = maximumSpeed
-    const float along = glm::dot(edge.point, edge.direction);
-    const float discriminant =
-        along * along + maximumSpeed * maximumSpeed - squaredLength(edge.point);
-    if (discriminant < 0.0f) continue;
-    const float half = std::sqrt(discriminant);
-    for (const float t : {-along + half, -along - half}) {
-      if (t >= edge.from) nearest.offer(edge.point + t * edge.direction, edge.cone);
+  setSides(cones, scratch);
+  // The nearest free point of each edge: from the nearest point of its line outward both ways, out
+  // of one forbidden stretch after the other. Its ends are the crossings with other sides, and the
+  // edge's own ends those with the circle, so no other candidates are needed. Nearest edges first:
+  // what follows is soon too far.
+  float best = kInfinity;
+  std::size_t left = edges.size();
+  scratch.order.resize(left);
+  for (std::size_t k = 0; k < left; ++k) scratch.order[k] = static_cast<std::uint32_t>(k);
+  while (left > 0) {
+    std::size_t nearest = 0;
+    for (std::size_t k = 1; k < left; ++k) {
+      if (edges[scratch.order[k]].squaredDistance < edges[scratch.order[nearest]].squaredDistance)
+        nearest = k;
     }
+    const ConeScratch::Edge& edge = edges[scratch.order[nearest]];
+    if (!(edge.squaredDistance < best)) break;
+    scratch.order.erase(scratch.order.begin() + static_cast<std::ptrdiff_t>(nearest));
+    --left;
+    forbiddenOn(edge, scratch);
+    const auto offer = [&](float at) {
+      if (at < edge.from || at > edge.to) return;
+      const glm::vec2 v = edge.point + at * edge.direction;
+      const float distance = squaredLength(v - preferred);
+      if (!(distance < best)) return;
+      best = distance;
+      velocity = v;
+    };
+    // No farther along than the best so far.
+    const float across = squaredLength(edge.point + edge.foot * edge.direction - preferred);
+    const float reach = best < kInfinity ? std::sqrt(std::max(0.0f, best - across)) : kInfinity;
+    offer(freeFrom(edge.start, true, std::min(edge.to, edge.foot + reach), scratch));
+    offer(freeFrom(edge.start, false, std::max(edge.from, edge.foot - reach), scratch));
   }
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (edges[i].squaredDistance >= nearest.squaredDistance()) continue;
-    for (std::size_t j = i + 1; j < edges.size(); ++j) {
-      if (edges[j].squaredDistance >= nearest.squaredDistance()) continue;
-      const float across = cross(edges[i].direction, edges[j].direction);
-      if (std::abs(across) < 1e-5f) continue;
-      const glm::vec2 between = edges[j].point - edges[i].point;
-      const float t = cross(between, edges[j].direction) / across;
-      if (t < edges[i].from || cross(between, edges[i].direction) / across < edges[j].from)
-        continue;
-      nearest.offer(edges[i].point + t * edges[i].direction, edges[i].cone, edges[j].cone);
-    }
-  }
-  if (nearest.squaredDistance() == kInfinity) return false;
-  velocity = nearest.velocity();
-  return true;
+  return best < kInfinity;
 }
 
 glm::vec2 leastDangerous(std::span<const VelocityCone> cones, glm::vec2 preferred,
@@ -195,10 +237,7 @@ glm::vec2 leastDangerous(std::span<const VelocityCone> cones, glm::vec2 preferre
   offer(present);
   offer(glm::vec2(0.0f));
   for (const ConeScratch::Edge& edge : scratch.edges) {
-    const float along = glm::dot(edge.direction, preferred - edge.point);
-    if (along < edge.from) continue;
-    const glm::vec2 v = edge.point + along * edge.direction;
-    if (squaredLength(v) <= maximumSpeed * maximumSpeed) offer(v);
+    offer(edge.point + edge.start * edge.direction);
   }
   // Around the preferred velocity, to the agreed side first.
   constexpr int kDirections = 16;
@@ -213,7 +252,7 @@ glm::vec2 leastDangerous(std::span<const VelocityCone> cones, glm::vec2 preferre
   }();
   const float speed = glm::length(preferred);
   const glm::vec2 ahead = speed > 1e-3f ? preferred / speed : glm::vec2(0.0f, 1.0f);
-  for (const float share : {1.0f, 0.5f, 0.25f}) {
+  for (const float share : {1.0f, 0.5f}) {
     for (const glm::vec2 at : circle) {
       const glm::vec2 turned = {at.x * ahead.x - side * at.y * ahead.y,
                                 side * at.y * ahead.x + at.x * ahead.y};

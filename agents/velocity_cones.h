@@ -5,6 +5,7 @@
 // of greatest speed, or a crossing of two sides.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -27,8 +28,9 @@ struct VelocityCone {
 
   bool hasCut() const { return cutDirection != glm::vec2(0.0f); }
 
+  static constexpr float kOnBorder = 1e-4f;  // m/s: crossings lie on sides up to rounding
+
   bool forbids(glm::vec2 v) const {
-    constexpr float kOnBorder = 1e-4f;  // m/s: crossings lie on sides up to rounding
     const glm::vec2 w = v - apex;
     return right.x * w.y - right.y * w.x > kOnBorder && left.x * w.y - left.y * w.x < -kOnBorder &&
            cutDirection.x * w.x + cutDirection.y * w.y > cut + kOnBorder;
@@ -46,11 +48,15 @@ VelocityCone halfPlaneCone(glm::vec2 towards, glm::vec2 apex, float speed);
 struct ConeScratch {
   struct Edge {
     glm::vec2 point, direction;
-    float from;             // metres a second along `direction` where it begins; 0 or -infinity
-    float squaredDistance;  // of its line to the preferred velocity
-    std::uint32_t cone;
+    float from, to;         // where it is slow enough, m/s along `direction`
+    float foot;             // where its line is nearest to the preferred velocity
+    float start;            // where the edge is
+    float squaredDistance;  // there
   };
   std::vector<Edge> edges;
+  std::vector<std::uint32_t> order;
+  std::vector<float> sides;     // of the cones, row by row
+  std::vector<float> from, to;  // the stretch of one edge that each cone forbids
 };
 
 /// Sets `velocity` to the free one nearest to `preferred` (which is at most `maximumSpeed`). Of two

@@ -12,6 +12,9 @@ namespace {
 
 using navmesh::cross;
 
+// Overlaps up to this share of the radii's sum are touches.
+constexpr float kTouch = 0.01f;
+
 struct HrvoScratch : Scratch {
   std::vector<VelocityCone> cones;
   ConeScratch search;
@@ -130,10 +133,12 @@ class Hrvo final : public Model {
                            bool& contact) const {
     const AgentsView& agents = input.agents;
     const glm::vec2 apart = agents.position[other] - agents.position[self];
-    const float reach = agents.radius[self] + agents.radius[other];
+    float reach = agents.radius[self] + agents.radius[other];
     const glm::vec2 velocity = agents.velocity[self], theirs = agents.velocity[other];
     const bool yields = agents.yields(other);
     const float distance = glm::length(apart);
+    // A touch is no overlap: whoever stands shoulder to shoulder may walk along the other.
+    if (distance <= reach && distance > (1.0f - kTouch) * reach) reach = distance * 0.9999f;
     if (distance <= reach) {
       contact = true;
       const bool first = number(agents.id[self]) < number(agents.id[other]);
