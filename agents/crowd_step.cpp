@@ -74,8 +74,9 @@ void Crowd::refreshWalls() {
 
 void Crowd::setPreferredVelocities(float seconds, const navmesh::ForEach& forEach) {
   navigation_.findPaths(position_, height_);
-  const float angle = settings_.symmetryBreak * (settings_.side >= 0.0f ? 1.0f : -1.0f);
-  const float c = std::cos(angle), s = std::sin(angle);
+  const float sign = settings_.side >= 0.0f ? 1.0f : -1.0f;
+  const float c = std::cos(sign * settings_.symmetryBreak),
+              s = std::sin(sign * settings_.symmetryBreak);
   forSlices(static_cast<std::uint32_t>(id_.size()), forEach,
             [&](std::size_t, std::uint32_t begin, std::uint32_t end) {
               for (std::uint32_t i = begin; i < end; ++i) {
@@ -91,6 +92,15 @@ void Crowd::setPreferredVelocities(float seconds, const navmesh::ForEach& forEac
                 const float speed = std::min(preferredSpeed_[i], goal.remaining / seconds);
                 const glm::vec2 v = towards * (speed / distance);
                 preferredVelocity_[i] = {c * v.x - s * v.y, s * v.x + c * v.y};
+                // Held up: by how much what it wants differs from what it gets.
+                const bool held = glm::length(velocity_[i]) < 0.1f * speed;
+                heldUp_[i] =
+                    std::clamp(heldUp_[i] + (held ? seconds : -2.0f * seconds), 0.0f, 10.0f);
+                if (heldUp_[i] > 0.0f && settings_.unknot > 0.0f) {
+                  const float turn = sign * std::min(settings_.unknot * heldUp_[i], 1.2f);
+                  const float tc = std::cos(turn), ts = std::sin(turn);
+                  preferredVelocity_[i] = {tc * v.x - ts * v.y, ts * v.x + tc * v.y};
+                }
               }
             });
 }
@@ -214,8 +224,14 @@ const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {
   report_.deepestOverlap = 0.0f;
   if (settings_.project) {
     refreshWalls();
+    moved_.assign(position_.begin(), position_.end());
     report_.deepestOverlap = projection_.apply(view(), before_, wallIndex_, settings_.projection,
                                                index_, forEach, position_);
+    // Whoever was held up goes on from what came of its step, not from what it wanted.
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (flags_[i] & (kHuman | kStatic) || position_[i] == moved_[i]) continue;
+      velocity_[i] = clipped((position_[i] - before_[i]) / seconds, maximumSpeed_[i]);
+    }
   }
   if (navigation_.world()) {
     forSlices(n, forEach, [&](std::size_t, std::uint32_t begin, std::uint32_t end) {
