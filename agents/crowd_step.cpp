@@ -97,7 +97,7 @@ void Crowd::setPreferredVelocities(float seconds, const navmesh::ForEach& forEac
                 heldUp_[i] =
                     std::clamp(heldUp_[i] + (held ? seconds : -2.0f * seconds), 0.0f, 10.0f);
                 if (heldUp_[i] > 0.0f && settings_.unknot > 0.0f) {
-                  const float turn = sign * std::min(settings_.unknot * heldUp_[i], 1.2f);
+                  const float turn = sign * std::min(settings_.unknot * heldUp_[i], 2.5f);
                   const float tc = std::cos(turn), ts = std::sin(turn);
                   preferredVelocity_[i] = {tc * v.x - ts * v.y, ts * v.x + tc * v.y};
                 }
