@@ -239,8 +239,9 @@ std::uint32_t NeighbourIndex::nearest(const Entry& self, float radius, std::uint
   const glm::vec2 inside = self.position - corner;
   const float side =
       std::max(0.0f, std::min(std::min(inside.x, inside.y), cell_ - std::max(inside.x, inside.y)));
-  scan(row - 1, column - 1, column + 1);
+  // The own row first: whoever is near makes the rest quick to turn away.
   scan(row, column - 1, column + 1);
+  scan(row - 1, column - 1, column + 1);
   scan(row + 1, column - 1, column + 1);
   for (int ring = 2;; ++ring) {
     // All within this distance has been seen. A thousandth less, for what rounding does to cells.
