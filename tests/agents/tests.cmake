@@ -6,3 +6,4 @@ forewalk_test(agents/navigation_test.cpp LIBS forewalk::agents forewalk::navmesh
 forewalk_test(agents/social_forces_test.cpp LIBS forewalk::agents)
 forewalk_test(agents/hrvo_test.cpp LIBS forewalk::agents)
 forewalk_test(agents/avatar_navigation_test.cpp LIBS forewalk::agents)
+forewalk_test(agents/half_planes_test.cpp LIBS forewalk::agents)
