@@ -199,7 +199,7 @@ const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {
   needsOf_.assign(n, nullptr);
   float reach = 0.0f, longest = seconds;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (flags_[i] != 0) continue;
+    if (flags_[i] != 0 || modelOf_[i] == kNoModel) continue;
     const Needs& needs = models_[static_cast<std::size_t>(modelOf_[i])].needs;
     if (planAge_[i] + 1e-5f < needs.period) continue;
     needsOf_[i] = &needs;
