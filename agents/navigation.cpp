@@ -144,7 +144,8 @@ SubGoal Navigation::advance(std::uint32_t agent, glm::vec2 position) {
   }
   const bool last = route.next + 1 == route.count;
   if (last && !route.toTheGoal && squaredDistance(position, route.corners[route.next]) < 4.0f) {
-    // Found anew before the last corner is reached. The turn it once had stays: first among those who ask.
+    // Found anew before the last corner is reached. The turn it once had stays: first among those
+    // who ask.
     route.state = Route::State::wanted;
   }
   SubGoal goal{route.corners[route.next], glm::distance(position, route.corners[route.next])};

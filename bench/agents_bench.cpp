@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "agents/avatar_navigation.h"
 #include "agents/crowd.h"
 #include "agents/overlaps.h"
 #include "agents/recording.h"
@@ -175,6 +176,32 @@ void printTenThousand(int repeats) {
   }
 }
 
+/// The thesis's speed test: one avatar that wanders among 10 to 50 objects.
+void printThesisSpeed(int repeats) {
+  for (const std::uint32_t objects : {10u, 20u, 30u, 40u, 50u}) {
+    std::vector<double> costs;
+    glm::vec2 end(0.0f);
+    for (int r = 0; r < repeats; ++r) {
+      std::mt19937_64 rng(objects);
+      AvatarNavigation avatar({0.0f, 0.0f});
+      for (std::uint32_t k = 0; k < objects; ++k) {
+        const float x = static_cast<float>(navmesh::uniform(rng, -25.0, 25.0));
+        const float y = static_cast<float>(navmesh::uniform(rng, -25.0, 25.0));
+        if (glm::length(glm::vec2(x, y)) > 3.0f) {
+          (void)avatar.setObject(ObjectId{k}, {x, y}, glm::vec2(0.5f), 0.1f * x);
+        }
+      }
+      constexpr int kFrames = 3000;
+      const double begin = cpuSeconds();
+      for (int k = 0; k < kFrames; ++k) avatar.step(1.0f / 30.0f, true);
+      costs.push_back(1e6 * (cpuSeconds() - begin) / kFrames);
+      end = avatar.position();
+    }
+    fmt::print("avatar among {} objects: {:.2f} us a frame, ends at {:.4f}, {:.4f}\n", objects,
+               bench::medianOf(costs), end.x, end.y);
+  }
+}
+
 /// 50 boxes about one avatar that walks between them with HRVO, cost per avatar and frame.
 void printFiftyBoxes(int repeats) {
   std::vector<double> costs;
@@ -264,6 +291,7 @@ int main(int argc, char** argv) {
       "step\n");
   if (onlyScene.empty()) {
     printFiftyBoxes(repeats);
+    printThesisSpeed(repeats);
     printTenThousand(repeats);
   }
   return 0;

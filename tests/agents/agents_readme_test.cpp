@@ -49,9 +49,9 @@ TEST(AgentsReadme, WalksAcrossAHallAroundTheUser) {
 
 TEST(AgentsReadme, ShowsTheExampleThatIsCompiledHere) {
   using forewalk::testing::contentsOf;
-  EXPECT_THAT(contentsOf(FOREWALK_SOURCE "/tests/agents/agents_readme_test.cpp"),
-              ::testing::HasSubstr(
-                  forewalk::testing::firstExampleIn(FOREWALK_SOURCE "/agents/README.md")));
+  EXPECT_THAT(
+      contentsOf(FOREWALK_SOURCE "/tests/agents/agents_readme_test.cpp"),
+      ::testing::HasSubstr(forewalk::testing::firstExampleIn(FOREWALK_SOURCE "/agents/README.md")));
 }
 
 }  // namespace
