@@ -21,7 +21,7 @@ namespace {
 #ifdef NDEBUG
 constexpr int kDebugShare = 1;
 #else
-constexpr int kDebugShare = 50;
+constexpr int kDebugShare = 40;
 #endif
 
 class EveryModel : public ::testing::TestWithParam<testing::NamedModel> {
