@@ -13,13 +13,9 @@
 #include "navmesh/build/detour_tiles.h"
 #include "navmesh/build/navmesh.h"
 #include "navmesh/build/scene.h"
+#include "navmesh/for_each.h"
 
 namespace forewalk::navmesh {
-
-/// Calls `work(i)` once for each i in [0, count), in any order, on any threads, and returns when
-/// all are done. `service` brings one that uses all cores; the default runs them in turn.
-using ForEach =
-    std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)>;
 
 /// Told after each finished tile. May be called from the threads of ForEach, one call at a time.
 using Progress = std::function<void(std::size_t done, std::size_t total)>;

@@ -1,0 +1,177 @@
+#include "agents/navigation.h"
+
+#include <algorithm>
+
+#include "navmesh/funnel.h"
+#include "navmesh/plan.h"
+
+namespace forewalk::agents {
+namespace {
+
+float squaredDistance(glm::vec2 a, glm::vec2 b) { return glm::dot(a - b, a - b); }
+
+}  // namespace
+
+void Navigation::setWorld(std::shared_ptr<const navmesh::World> world) {
+  world_ = std::move(world);
+  for (Route& route : routes_) {
+    route.place = {};
+    if (route.state != Route::State::none) want(route);
+  }
+}
+
+void Navigation::add() { routes_.emplace_back(); }
+
+void Navigation::removeBySwap(std::uint32_t agent) {
+  routes_[agent] = routes_.back();
+  routes_.pop_back();
+}
+
+void Navigation::want(Route& route) {
+  route.state = Route::State::wanted;
+  route.wantedSince = asked_++;
+  route.count = route.next = 0;
+}
+
+void Navigation::setGoal(std::uint32_t agent, glm::vec2 goal, float height) {
+  Route& route = routes_[agent];
+  route.goal = goal;
+  route.goalHeight = height;
+  want(route);
+}
+
+void Navigation::clearGoal(std::uint32_t agent) { routes_[agent].state = Route::State::none; }
+
+void Navigation::moved(std::uint32_t agent) {
+  Route& route = routes_[agent];
+  // A human is placed every frame, a small step away: following goes on from the last place.
+  if (world_ && route.state == Route::State::found) want(route);
+}
+
+void Navigation::findPaths(std::span<const glm::vec2> positions, std::span<const float> heights) {
+  waiting_ = closed_ = 0;
+  queue_.clear();
+  for (std::uint32_t i = 0; i < routes_.size(); ++i) {
+    Route& route = routes_[i];
+    if (route.state == Route::State::closed) ++closed_;
+    if (route.state != Route::State::wanted) continue;
+    if (!world_) {
+      route.state = Route::State::found;
+      route.corners[0] = route.goal;
+      route.count = 1;
+      route.next = 0;
+      route.toTheGoal = true;
+      route.beyond = 0.0f;
+      continue;
+    }
+    queue_.push_back(i);
+  }
+  const std::size_t budget = std::min<std::size_t>(queue_.size(), settings_.pathsPerTick);
+  waiting_ = static_cast<std::uint32_t>(queue_.size() - budget);
+  // Nobody asks at the same time as another, so the order is that of asking and no other.
+  std::partial_sort(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(budget),
+                    queue_.end(), [&](std::uint32_t a, std::uint32_t b) {
+                      return routes_[a].wantedSince < routes_[b].wantedSince;
+                    });
+  for (std::size_t k = 0; k < budget; ++k) {
+    find(routes_[queue_[k]], positions[queue_[k]], heights[queue_[k]]);
+    if (routes_[queue_[k]].state == Route::State::closed) ++closed_;
+  }
+}
+
+void Navigation::find(Route& route, glm::vec2 position, float height) {
+  const navmesh::NavGraph& graph = world_->graph;
+  route.state = Route::State::closed;
+  route.count = route.next = 0;
+  if (route.place.polygon == navmesh::kNoPolygon) {
+    const auto here = navmesh::locate(graph, world_->locations, navmesh::toSpace(position, height),
+                                      settings_.snap);
+    if (!here) return;
+    route.place = *here;
+  }
+  const auto there = navmesh::locate(
+      graph, world_->locations, navmesh::toSpace(route.goal, route.goalHeight), settings_.snap);
+  if (!there) return;
+  if (!navmesh::findCorridor(graph, route.place, *there, scratch_, corridor_)) return;
+  navmesh::pullString(graph, route.place.plan, there->plan, corridor_, path_);
+  // The path's first point is where the agent stands.
+  const std::size_t ahead = path_.size() > 1 ? path_.size() - 1 : 0;
+  if (ahead == 0) path_.push_back(there->plan);
+  const std::size_t kept = std::min<std::size_t>(std::max<std::size_t>(ahead, 1), Route::kCorners);
+  std::copy_n(path_.begin() + 1, kept, route.corners.begin());
+  route.count = static_cast<std::uint8_t>(kept);
+  route.toTheGoal = kept + 1 >= path_.size();
+  route.beyond = navmesh::lengthOf(std::span<const glm::vec2>(path_).subspan(kept));
+  route.state = Route::State::found;
+}
+
+bool Navigation::sees(const navmesh::Location& from, glm::vec2 to) const {
+  const navmesh::NavGraph& graph = world_->graph;
+  navmesh::PolygonId polygon = from.polygon;
+  std::uint32_t enteredBy = 0xffffffffu;  // half-portal of `polygon` we came in by
+  for (std::uint32_t steps = 0; steps <= graph.polygonCount(); ++steps) {
+    if (navmesh::contains(graph, polygon, to)) return true;
+    std::uint32_t out = 0xffffffffu;
+    for (std::uint32_t h = graph.portalStart[navmesh::index(polygon)];
+         h < graph.portalStart[navmesh::index(polygon) + 1]; ++h) {
+      if (h == enteredBy) continue;
+      const navmesh::Portal& portal = graph.portals[h];
+      // Through it, and outward: left on the left, right on the right, the end beyond.
+      if (navmesh::turn(from.plan, to, portal.left) >= 0.0f &&
+          navmesh::turn(from.plan, to, portal.right) <= 0.0f &&
+          navmesh::turn(portal.right, portal.left, to) <= 0.0f) {
+        out = h;
+        break;
+      }
+    }
+    if (out == 0xffffffffu) return false;
+    enteredBy = graph.portalTwin[out];
+    polygon = graph.portalTo[out];
+  }
+  return false;
+}
+
+SubGoal Navigation::advance(std::uint32_t agent, glm::vec2 position) {
+  Route& route = routes_[agent];
+  if (route.state != Route::State::found) return {position, 0.0f};
+  const float reach = settings_.cornerReach * settings_.cornerReach;
+  while (route.next + 1 < route.count) {
+    const bool reached = squaredDistance(position, route.corners[route.next]) < reach;
+    const bool seesOn = route.place.polygon != navmesh::kNoPolygon &&
+                        sees(route.place, route.corners[route.next + 1u]);
+    if (!reached && !seesOn) break;
+    ++route.next;
+  }
+  const bool last = route.next + 1 == route.count;
+  if (last && !route.toTheGoal && squaredDistance(position, route.corners[route.next]) < 4.0f) {
+    // Found anew before the last corner is reached. The turn it once had stays: first among those
+    // who ask.
+    route.state = Route::State::wanted;
+  }
+  SubGoal goal{route.corners[route.next], glm::distance(position, route.corners[route.next])};
+  for (std::uint32_t k = route.next; k + 1u < route.count; ++k) {
+    goal.remaining += glm::distance(route.corners[k], route.corners[k + 1u]);
+  }
+  goal.remaining += route.beyond;
+  return goal;
+}
+
+bool Navigation::follow(std::uint32_t agent, glm::vec2& position, float& height) {
+  Route& route = routes_[agent];
+  if (!world_) return false;
+  const glm::vec3 space = navmesh::toSpace(position, height);
+  const auto place = route.place.polygon == navmesh::kNoPolygon
+                         ? navmesh::locate(world_->graph, world_->locations, space, settings_.snap)
+                         : navmesh::locateFrom(world_->graph, world_->locations, route.place, space,
+                                               settings_.snap);
+  if (!place) {
+    route.place = {};
+    return false;
+  }
+  route.place = *place;
+  position = place->plan;
+  height = place->height;
+  return true;
+}
+
+}  // namespace forewalk::agents

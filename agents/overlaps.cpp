@@ -1,0 +1,68 @@
+#include "agents/overlaps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "navmesh/plan.h"
+
+namespace forewalk::agents {
+namespace {
+
+/// Whether `point` is inside a loop of walls that has its free ground outside: of the walls nearest
+/// to it, the one it is behind decides, and the winding number of the loop says so without rounding
+/// questions at corners.
+int windingOf(std::span<const Wall> walls, glm::vec2 point) {
+  int winding = 0;
+  for (const Wall& wall : walls) {
+    if (wall.isCircle()) continue;
+    const bool below = wall.from.y <= point.y, after = wall.to.y <= point.y;
+    if (below == after) continue;
+    const float side = navmesh::turn(wall.from, wall.to, point);
+    if (below && side > 0.0f) ++winding;
+    if (!below && side < 0.0f) --winding;
+  }
+  return winding;
+}
+
+}  // namespace
+
+OverlapCount OverlapCounter::count(const AgentsView& agents, float tolerance) {
+  OverlapCount result;
+  const std::uint32_t n = agents.size();
+  if (n < 2) return result;
+  float widest = 0.0f;
+  for (const float radius : agents.radius) widest = std::max(widest, radius);
+  index_.build(agents, 2.0f * widest);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    index_.visitNear(agents.position[i], agents.radius[i] + widest, [&](std::uint32_t j) {
+      if (j <= i || std::abs(agents.height[i] - agents.height[j]) > 2.0f) return;
+      const float reach = agents.radius[i] + agents.radius[j];
+      const float gap = glm::distance(agents.position[i], agents.position[j]) - reach;
+      result.leastGap = std::min(result.leastGap, gap);
+      result.deepest = std::max(result.deepest, -gap / reach);
+      if (-gap > tolerance * reach) ++result.pairSteps;
+    });
+  }
+  return result;
+}
+
+std::uint64_t countWallsEntered(const AgentsView& agents, std::span<const Wall> walls,
+                                float tolerance) {
+  std::uint64_t entered = 0;
+  for (std::uint32_t i = 0; i < agents.size(); ++i) {
+    const glm::vec2 at = agents.position[i];
+    bool inside = windingOf(walls, at) < 0;
+    for (const Wall& wall : walls) {
+      if (inside) break;
+      const float low = std::min(wall.fromHeight, wall.toHeight) - wall.reach;
+      const float high = std::max(wall.fromHeight, wall.toHeight) + wall.reach;
+      if (agents.height[i] < low || agents.height[i] > high) continue;
+      inside =
+          glm::distance(at, nearestOn(wall, at)) < wallRadius(agents.radius[i], wall) - tolerance;
+    }
+    entered += inside;
+  }
+  return entered;
+}
+
+}  // namespace forewalk::agents
