@@ -32,14 +32,25 @@ bool isModel(const std::string& name) {
                     [](unsigned char a, char b) { return std::tolower(a) == b; });
 }
 
-// Files by their stems, or as given where two have the same.
+// Files by their stems; where two have the same, with their folder; else as given.
 std::vector<std::string> labelsOf(const std::vector<std::string>& files) {
-  std::map<std::string, int> uses;
-  for (const std::string& file : files) ++uses[std::filesystem::path(file).stem().string()];
+  const auto stem = [](const std::string& file) {
+    return std::filesystem::path(file).stem().string();
+  };
+  const auto withFolder = [&](const std::string& file) {
+    const std::string folder = std::filesystem::path(file).parent_path().filename().string();
+    return folder.empty() ? stem(file) : folder + "/" + stem(file);
+  };
+  std::map<std::string, int> stems, folders;
+  for (const std::string& file : files) {
+    ++stems[stem(file)];
+    ++folders[withFolder(file)];
+  }
   std::vector<std::string> labels;
   for (const std::string& file : files) {
-    const std::string stem = std::filesystem::path(file).stem().string();
-    labels.push_back(uses[stem] == 1 ? stem : file);
+    labels.push_back(stems[stem(file)] == 1           ? stem(file)
+                     : folders[withFolder(file)] == 1 ? withFolder(file)
+                                                      : file);
   }
   return labels;
 }

@@ -49,7 +49,7 @@ void drawPath(SvgDrawing& drawing, const PlanPage& page, const std::vector<glm::
 std::string subtitleOf(const PathComparison& comparison) {
   std::string text;
   for (const PathGroup& group : comparison.groups) {
-    text += fmt::format("{}{} in {}", text.empty() ? "" : ", ", group.paths.size(), group.name);
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", group.paths.size(), group.name);
   }
   return text + "; a dot where each begins, a ring where it ends";
 }

@@ -75,6 +75,13 @@ const PairDifference& pairOf(const std::vector<PairDifference>& pairs, std::size
   });
 }
 
+// Wide enough for every name.
+template <typename Named>
+std::size_t nameWidth(const std::vector<Named>& all, std::size_t least) {
+  for (const Named& one : all) least = std::max(least, one.name.size());
+  return least;
+}
+
 std::string columnRows(const PathComparison& comparison, const TableComparison& table,
                        const std::vector<std::size_t>& models) {
   const double alpha = 1.0 - comparison.confidence;
@@ -86,15 +93,16 @@ std::string columnRows(const PathComparison& comparison, const TableComparison& 
       "  pairs that differ at {:g}: Tukey {} and Games-Howell {} of {}; Tukey's interval +-{}\n",
       alpha, differ(table.columns.tukey), differ(table.columns.gamesHowell),
       table.columns.tukey.size(), number(table.columns.tukey.front().halfWidth, 2));
+  const std::size_t width = nameWidth(comparison.paths, 10);
   for (std::size_t m = 0; m < std::min(models.size(), kModelsShown); ++m) {
-    text += fmt::format("  {} against{:>{}}  Tukey  Games-Howell\n",
-                        comparison.paths[models[m]].name, "difference", 24);
+    text += fmt::format("  {:<{}} {:>12}  Tukey  Games-Howell\n",
+                        comparison.paths[models[m]].name + " against", width + 2, "difference");
     for (std::size_t i = 0; i < comparison.paths.size(); ++i) {
       if (i == models[m]) continue;
       const PairDifference& tukey = pairOf(table.columns.tukey, models[m], i);
       const PairDifference& howell = pairOf(table.columns.gamesHowell, models[m], i);
       const double difference = models[m] < i ? tukey.difference : -tukey.difference;
-      text += fmt::format("    {:<24} {:>12}  {:>5}  {:>5}\n", comparison.paths[i].name,
+      text += fmt::format("    {:<{}} {:>12}  {:>5}  {:>12}\n", comparison.paths[i].name, width,
                           number(difference, 2), chance(tukey.p), chance(howell.p));
     }
   }
@@ -111,7 +119,7 @@ std::string separationLines(const PathComparison& comparison, const TableCompari
     const Separation& found = table.separations[s];
     const PathGroup& group = comparison.groups[s + 1];
     text += fmt::format(
-        "Is {} farther from {} than they are from each other?\n"
+        "Group {}: is it farther from {} than those are from each other?\n"
         "  chance that a distance across exceeds one within: {:.3f} (0.5: like one more of them)\n"
         "  labels permuted: p = {} ({} {}; {:.2g} is the least it can give)\n"
         "  distances taken for independent, which they are not: p = {} (Mann-Whitney)\n",
@@ -212,7 +220,7 @@ std::string toText(const PathComparison& comparison) {
   std::string text = fmt::format("{} paths:", comparison.paths.size());
   std::vector<std::size_t> models;
   for (const PathGroup& group : comparison.groups) {
-    text += fmt::format("{} {} in {}", &group == &comparison.groups.front() ? "" : ",",
+    text += fmt::format("{} {} of {}", &group == &comparison.groups.front() ? "" : ",",
                         group.paths.size(), group.name);
     if (&group != &comparison.groups.front()) {
       models.insert(models.end(), group.paths.begin(), group.paths.end());
@@ -227,19 +235,22 @@ std::string toText(const PathComparison& comparison) {
         fmt::format("Columns of the table, a sample per path (as Ono 2011; not independent):\n{}{}",
                     testLines(table.columns), columnRows(comparison, table, models));
   }
-  text += fmt::format("\n{:<24} {:<14}", "path", "group");
+  text += fmt::format("\nMean distance to {}, other than the path itself\n",
+                      comparison.groups.front().name);
+  const std::size_t width = nameWidth(comparison.paths, 4);
+  const std::size_t groupWidth = nameWidth(comparison.groups, 5);
+  text += fmt::format("{:<{}}  {:<{}}", "path", width, "group", groupWidth);
   const bool fromFiles = !comparison.paths.front().points.empty();
   if (fromFiles) text += fmt::format(" {:>8} {:>9}", "samples", "length, m");
-  text += fmt::format("   mean distance to {}:", comparison.groups.front().name);
   for (const TableComparison& table : comparison.tables) text += fmt::format(" {:>12}", table.name);
   text += '\n';
   for (std::size_t i = 0; i < comparison.paths.size(); ++i) {
     const ComparedPath& path = comparison.paths[i];
-    text += fmt::format("{:<24} {:<14}", path.name, groupOf(comparison, i).name);
+    text +=
+        fmt::format("{:<{}}  {:<{}}", path.name, width, groupOf(comparison, i).name, groupWidth);
     if (fromFiles) {
       text += fmt::format(" {:>8} {:>9.2f}", path.points.size(), agents::pathLength(path.points));
     }
-    text += std::string(21 + comparison.groups.front().name.size(), ' ');
     for (const TableComparison& table : comparison.tables) {
       text += fmt::format(" {:>12}", number(table.meanToPeople[i], table.unit == "m" ? 3 : 2));
     }
