@@ -24,9 +24,13 @@ PairDifference compare(std::size_t i, std::size_t j, double difference, double s
                        double df, int groups) {
   PairDifference pair{i, j, difference, standardError, df, 0.0, 0.0, 0.0};
   pair.q = std::abs(difference) / standardError;
-  pair.p = std::isnan(pair.q)   ? pair.q
-           : std::isinf(pair.q) ? 0.0
-                                : studentizedRangeAbove(pair.q, groups, df);
+  if (std::isinf(pair.q)) {
+    pair.p = 0.0;
+  } else if (std::isnan(pair.q) || std::isnan(df)) {
+    pair.p = std::nan("");
+  } else {
+    pair.p = studentizedRangeAbove(pair.q, groups, df);
+  }
   return pair;
 }
 
@@ -60,8 +64,9 @@ std::vector<PairDifference> gamesHowell(Groups groups, double confidence) {
     for (std::size_t j = i + 1; j < groups.size(); ++j) {
       const double a = moments[i].variance / moments[i].count;
       const double b = moments[j].variance / moments[j].count;
-      const double df =
-          (a + b) * (a + b) / (a * a / (moments[i].count - 1.0) + b * b / (moments[j].count - 1.0));
+      const double share = a / (a + b);  // squares of variances themselves may leave a double
+      const double df = 1.0 / (share * share / (moments[i].count - 1.0) +
+                               (1.0 - share) * (1.0 - share) / (moments[j].count - 1.0));
       const double error = std::sqrt(0.5 * (a + b));
       pairs.push_back(compare(i, j, moments[i].mean - moments[j].mean, error, df, k));
       pairs.back().halfWidth =

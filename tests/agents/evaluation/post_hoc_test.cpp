@@ -121,5 +121,18 @@ TEST(PostHoc, SaysWhatNoSpreadLeavesToSay) {
   EXPECT_EQ(tukeyHsd(sample)[0].p, 0.0);
 }
 
+TEST(PostHoc, StandsVariancesAtTheEndsOfDouble) {
+  const Sample plain{{0.0, 1.0, 3.0}, {5.0, 7.0, 6.0}};
+  for (const double scale : {1e-120, 1e120}) {  // their squares' squares are 0 and infinite
+    Sample sample = plain;
+    for (auto& group : sample) {
+      for (double& value : group) value *= scale;
+    }
+    EXPECT_NEAR(gamesHowell(sample)[0].p, gamesHowell(plain)[0].p, 1e-9) << scale;
+  }
+  const PairDifference beyond = gamesHowell(Sample{{0.0, 1e300, 0.0}, {1e300, 0.0, 1e299}})[0];
+  EXPECT_TRUE(std::isnan(beyond.p));
+}
+
 }  // namespace
 }  // namespace forewalk::agents
