@@ -71,7 +71,8 @@ tl::unexpected<Error> damaged(std::string message) {
 }
 
 tl::expected<Columns, Error> readHeader(const std::vector<std::string_view>& fields,
-                                        const std::string& name, std::size_t line) {
+                                        const std::string& name, std::size_t line,
+                                        WalkTimes times) {
   Columns columns;
   columns.fill(kAbsent);
   for (std::size_t column = 0; column < kColumnCount; ++column) {
@@ -83,11 +84,12 @@ tl::expected<Columns, Error> readHeader(const std::vector<std::string_view>& fie
       }
       columns[column] = field;
     }
-    if (columns[column] == kAbsent && column != kWalkerId) {
+    const bool optional = column == kWalkerId || (column == kT && times == WalkTimes::kOptional);
+    if (columns[column] == kAbsent && !optional) {
       return damaged(fmt::format(
-          "{}:{}: the first line has no column {}; a walk has the columns walker_id,t,x,z or t,x,z "
+          "{}:{}: the first line has no column {}; a walk has the columns walker_id,t,x,z or {} "
           "(seconds and metres).",
-          name, line, kColumnNames[column]));
+          name, line, kColumnNames[column], times == WalkTimes::kOptional ? "x,z" : "t,x,z"));
     }
   }
   return columns;
@@ -100,7 +102,7 @@ double turnBetween(double from, double to) {  // the shorter way, in [-pi, pi]
 }  // namespace
 
 tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> bytes,
-                                                  const std::string& name) {
+                                                  const std::string& name, WalkTimes times) {
   Lines lines(withoutByteOrderMark({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
   std::string_view line;
   std::vector<std::string_view> fields;
@@ -111,11 +113,13 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
     }
   } while (trimmed(line).empty());
   splitFields(line, fields);
-  const tl::expected<Columns, Error> columns = readHeader(fields, name, lines.number());
+  const tl::expected<Columns, Error> columns = readHeader(fields, name, lines.number(), times);
   if (!columns) return tl::unexpected(columns.error());
-  const std::size_t fieldsNeeded =
-      1 + std::max({(*columns)[kT], (*columns)[kX], (*columns)[kZ],
-                    (*columns)[kWalkerId] == kAbsent ? 0 : (*columns)[kWalkerId]});
+  std::size_t fieldsNeeded = 0;
+  for (const std::size_t field : *columns) {
+    if (field != kAbsent) fieldsNeeded = std::max(fieldsNeeded, field + 1);
+  }
+  const bool timed = (*columns)[kT] != kAbsent;
 
   std::vector<Walk> walks;
   std::vector<std::size_t> lastLine;  // of each walk
@@ -131,6 +135,7 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
     }
     std::array<double, 3> values{};
     for (const Column column : {kT, kX, kZ}) {
+      if (column == kT && !timed) continue;
       const std::string_view field = fields[(*columns)[column]];
       const std::optional<double> value = numbers.read(field);
       if (!value) {
@@ -153,8 +158,9 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
       lastLine.push_back(lines.number());
     }
     Walk& walk = walks[found->second];
-    const WalkSample sample{values[kT], {values[kX], -values[kZ]}};
-    if (!walk.samples.empty()) {
+    const double seconds = timed ? values[kT] : static_cast<double>(walk.samples.size());
+    const WalkSample sample{seconds, {values[kX], -values[kZ]}};
+    if (timed && !walk.samples.empty()) {
       const WalkSample& before = walk.samples.back();
       if (!(sample.seconds > before.seconds)) {
         return damaged(

@@ -26,6 +26,10 @@ struct Walk {
   std::vector<WalkSample> samples;
 };
 
+/// Whether a file of walks has to say when its walkers were where they were. Where it does not have
+/// to and has no column `t`, a walker's rows are in order and count as a second each.
+enum class WalkTimes { kRequired, kOptional };
+
 /// Reads every walk of a CSV file, in order of each walker's first row; rows of several walkers may
 /// be interleaved. The first line names the columns, in any order: `t`, `x`, `z` (seconds, metres,
 /// world axes), and `walker_id` if there are several walkers; other columns are skipped. `name`
@@ -34,9 +38,11 @@ struct Walk {
 /// Fails (kDataDamaged, naming line and value) when a column is missing or named twice, a row is
 /// short, a number is malformed, NaN, infinite or farther than 100 km out, a walker's time does not
 /// increase, a walk lasts more than a day, a walker moves more than 0.5 m at more than 12 m/s, or a
-/// walker has one row only; and kSceneEmpty when there is no row. Costs O(size).
-[[nodiscard]] tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> bytes,
-                                                                const std::string& name);
+/// walker has one row only; and kSceneEmpty when there is no row. What is said of time and speed
+/// holds where there is a column `t`. Costs O(size).
+[[nodiscard]] tl::expected<std::vector<Walk>, Error> parseWalks(
+    std::span<const std::byte> bytes, const std::string& name,
+    WalkTimes times = WalkTimes::kRequired);
 
 /// A walk at a fixed frame rate.
 struct WalkFrame {

@@ -48,6 +48,24 @@ TEST(ParseWalks, NamesTheColumnThatIsMissingOrDoubled) {
   EXPECT_THAT(refusal("t,x,z,x\n0,1,2,3\n"), HasSubstr("column x is named twice"));
 }
 
+TEST(ParseWalks, DoesWithoutTimesWhereItMay) {
+  const auto parsePaths = [](const std::string& text) {
+    return parseWalks(std::as_bytes(std::span(text)), "w.csv", WalkTimes::kOptional);
+  };
+  const auto paths = parsePaths("x,z,walker_id\n0,0,a\n300,-1,a\n5,5,b\n0,0,a\n5,5,b\n");
+  ASSERT_TRUE(paths) << paths.error().message;  // a jump of 300 m: nobody knows how long it took
+  ASSERT_EQ(paths->size(), 2u);
+  ASSERT_EQ((*paths)[0].samples.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ((*paths)[0].samples[i].seconds, i);
+  EXPECT_EQ((*paths)[0].samples[1].plan, glm::dvec2(300, 1));
+  // Where times are given they hold.
+  const auto timed = parsePaths("t,x,z\n0,0,0\n0.1,300,0\n");
+  ASSERT_FALSE(timed);
+  EXPECT_THAT(timed.error().message, HasSubstr("faster than 12 m/s"));
+  EXPECT_THAT(parsePaths("x,y\n0,0\n").error().message,
+              AllOf(HasSubstr("no column z"), HasSubstr("or x,z")));
+}
+
 TEST(ParseWalks, NamesLineAndValueOfEveryBadNumber) {
   for (const char* bad :
        {"nan", "NaN", "inf", "-inf", "1e999", "", "-", "1.2.3", "1x", "0x10", "1 2"}) {

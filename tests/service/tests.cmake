@@ -56,3 +56,12 @@ if(TARGET likelihood_cli_test)
   add_dependencies(likelihood_cli_test forewalk)
   target_compile_definitions(likelihood_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
 endif()
+
+# How like people simulated walkers walk.
+forewalk_test(service/path_tables_test.cpp LIBS forewalk::service)
+forewalk_test(service/path_comparison_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
+forewalk_test(service/paths_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
+if(TARGET paths_cli_test)
+  add_dependencies(paths_cli_test forewalk)
+  target_compile_definitions(paths_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+endif()
