@@ -72,7 +72,7 @@ tl::expected<void, Error> run(const PredictOptions& options) {
     throw CLI::ValidationError("--distances",
                                fmt::format("is for plans, not for {}; add --format svg", format));
   }
-  const bool byFronts = options.method == "front";
+  const bool byFronts = options.method == prediction::Method::kFront;
   if (byFronts && !options.links.empty()) {
     throw CLI::ValidationError(
         "--links", "graphs by fronts do not lead through links yet; give --method polygon");
@@ -90,7 +90,6 @@ tl::expected<void, Error> run(const PredictOptions& options) {
     if (!links) return tl::unexpected(std::move(links.error()));
     navmesh::setLinks(navGraph, std::move(*links), states);
   }
-  const bool byFronts = options.method == prediction::Method::kFront;
   prediction::PredictionLimits limits;
   limits.polygons = std::max(limits.polygons, navGraph.polygonCount());
   prediction::Scratch scratch(navGraph, limits);
