@@ -80,8 +80,10 @@ std::optional<std::string> fault(std::span<const MotionClip> clips,
 
 std::optional<std::vector<std::uint32_t>> chainOf(std::span<const MotionClip> clips) {
   const double tolerance = static_cast<double>(kClipTolerance);
-  const Point begin = pointOf(clips[farthestFrom(pointOf(clips[0].motion), clips)].motion);
-  const Point end = pointOf(clips[farthestFrom(begin, clips)].motion);
+  Point begin = pointOf(clips[farthestFrom(pointOf(clips[0].motion), clips)].motion);
+  Point end = pointOf(clips[farthestFrom(begin, clips)].motion);
+  // From slow to fast, from right to left.
+  if (end.x < begin.x || (end.x == begin.x && end.y < begin.y)) std::swap(begin, end);
   const double length = distance(begin, end);
   if (length <= tolerance) return std::vector<std::uint32_t>{0};
   std::vector<std::pair<double, std::uint32_t>> along;

@@ -99,7 +99,7 @@ class LocomotionDatabase {
   std::uint32_t neutral_ = 0;
 };
 
-/// The order of clips that lie on one line within kClipTolerance, or nothing where they do not.
+/// The order, from slow to fast, of clips that lie on one line within kClipTolerance, or nothing where they do not.
 /// Clips closer than the tolerance to an earlier one are left out. O(n log n).
 std::optional<std::vector<std::uint32_t>> chainOf(std::span<const MotionClip> clips);
 
