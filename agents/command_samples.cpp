@@ -105,16 +105,20 @@ void sampleCommands(const LocomotionDatabase& clips, const CommandSampling& samp
     us[at] = std::clamp((sampling.side < 0.0f ? even : -even) + sampling.sideOffset, -1.0f, 1.0f);
     shares[at] = spread(us[at], sampling.spacing);
   }
-  // Straight ahead where that can be reached, and as nearly so as it can where not.
-  const float middle = std::clamp(0.0f, angular.low, angular.high);
   for (std::uint32_t i = 0; i < sampling.linearSamples; ++i) {
     const float speed =
         i == comfort ? sampling.comfortSpeed : evenly(linear, i, sampling.linearSamples);
     const auto [low, high] = clips.angularAt(speed);
+    const Range turnsHere = sampling.fitted
+                                ? Range{std::max(angular.low, low), std::min(angular.high, high)}
+                                : angular;
+    if (turnsHere.empty()) continue;
+    // Straight ahead where that can be reached, and as nearly so as it can where not.
+    const float middle = std::clamp(0.0f, turnsHere.low, turnsHere.high);
     const std::size_t row = commands.size();
     for (std::uint32_t j = 0; j < turnsSampled; ++j) {
-      const float turn = us[j] > 0.0f ? middle + (angular.high - middle) * shares[j]
-                                      : middle + (middle - angular.low) * shares[j];
+      const float turn = us[j] > 0.0f ? middle + (turnsHere.high - middle) * shares[j]
+                                      : middle + (middle - turnsHere.low) * shares[j];
       if (turn < low - kClipTolerance || turn > high + kClipTolerance) continue;
       const Command command{speed, turn};
       if (commands.size() > row && commands.back() == command) continue;

@@ -150,9 +150,9 @@ TrajectorySearch::Path TrajectorySearch::pathOfFirst(std::uint32_t first) const 
   return path;
 }
 
-// 1 at contact, 0 beyond the space.
+// 1 at contact, 0 beyond the space; more than 1 only where bodies that overlap are allowed to part.
 static float nearness(float distance, float contact, float space) {
-  return std::clamp((contact + space - distance) / space, 0.0f, 1.0f);
+  return std::max((contact + space - distance) / space, 0.0f);
 }
 
 bool TrajectorySearch::lookAtDisc(std::uint32_t which, std::uint32_t point, glm::vec2 from,
@@ -164,6 +164,7 @@ bool TrajectorySearch::lookAtDisc(std::uint32_t which, std::uint32_t point, glm:
   if (squared > far * far) return false;
   const PredictedDisc& disc = problem_.discs[which];
   const glm::vec2 before = from - discAt_[(point - 1) * discs + which];
+  if (squared < disc.keep * disc.keep) return true;
   if (squaredDistanceToOrigin(before, after) < disc.hit * disc.hit) return true;
   const float space = disc.agent ? problem_.weights.agentSpace : problem_.weights.obstacleSpace;
   const float reach = disc.contact + space;
@@ -182,6 +183,7 @@ bool TrajectorySearch::lookAtWall(std::uint32_t which, std::uint32_t point, glm:
   const float squared = squaredDistanceTo(wall.from, wall.to, after);
   const float far = wallFar_[which];
   if (squared > far * far) return false;
+  if (squared < wall.keep * wall.keep) return true;
   if (squaredDistanceBetween(before, after, wall.from, wall.to) < wall.hit * wall.hit) return true;
   const float space = problem_.weights.obstacleSpace;
   const float reach = wall.contact + space;

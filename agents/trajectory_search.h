@@ -7,7 +7,7 @@
 // penalties, each in [0, 1], and the least sum by weight wins:
 //
 //   obstacles, agents  how near it comes: 0 beyond the personal space, 1 at contact, at its worst
-//                      point
+//                      point (above 1 only for bodies that overlap and part)
 //   course             how far its points lie from those of a straight walk to the target at
 //                      comfort speed (metres, and if wanted the angle between the directions, as
 //                      the chord of the unit circle: radians for small ones), summed over the
@@ -42,8 +42,10 @@ struct PredictedDisc {
   glm::vec2 position{0.0f};
   glm::vec2 velocity{0.0f};  ///< m/s
   float contact = 0.5f;      ///< metres, > 0
-  float hit = 0.5f;   ///< nearer than this dismisses; less than `contact` for bodies that touch
-                      ///< already, so that they may part
+  /// Nearer than this at any time dismisses, and nearer than `keep` at a point. Both are `contact`,
+  /// but less for bodies that touch already, so that they may part, a little nearer on the way.
+  float hit = 0.5f;
+  float keep = 0.5f;
   bool agent = true;  ///< which of the two penalties it is counted for
 };
 
@@ -54,6 +56,7 @@ struct PredictedWall {
   glm::vec2 velocity{0.0f};
   float contact = 0.25f;
   float hit = 0.25f;
+  float keep = 0.25f;
 };
 
 struct TrajectoryWeights {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "agents/command_samples.h"
+#include "agents/trajectory_geometry.h"
 #include "navmesh/plan.h"
 
 namespace forewalk::agents {
@@ -14,24 +15,31 @@ namespace {
 constexpr float kTouch = 0.01f;
 // Near the goal a trajectory lasts so many times the rest of the way, and at least so long.
 constexpr float kBeyondGoal = 1.5f, kShortest = 0.5f;
+// Who moves slower than this share of its comfort speed waits, unless it is nearly there (metres);
+// and turns away at most so far (radians), for so long (seconds).
+constexpr float kWaiting = 0.25f, kNearGoal = 1.0f, kFarthestAround = 2.6f, kLongestWait = 10.0f;
+constexpr float kLeastSpace = 0.05f;
 
 struct GolaemScratch : Scratch {
   TrajectorySituation situation;
   TrajectorySearch search;
 };
 
-/// Nearer than this is a hit: contact, but for bodies that touch already their present distance, so
-/// that they may part.
-float hitDistance(float contact, float distance, bool literal) {
-  return literal ? contact : std::min(contact, 0.999f * distance);
+/// Bodies that touch already may part, a little nearer on the way: only what brings them closer is
+/// dismissed.
+template <typename Predicted>
+void setHits(float distance, bool literal, Predicted& predicted) {
+  const bool apart = literal || distance >= predicted.contact;
+  predicted.hit = apart ? predicted.contact : 0.8f * distance;
+  predicted.keep = apart ? predicted.contact : 0.999f * distance;
 }
 
 void addDisc(glm::vec2 apart, glm::vec2 velocity, float contact, bool agent, bool literal,
              TrajectorySituation& situation) {
   const float distance = glm::length(apart);
   if (distance < (1.0f - kTouch) * contact) situation.contact = true;
-  situation.discs.push_back(
-      {apart, velocity, contact, hitDistance(contact, distance, literal), agent});
+  situation.discs.push_back({apart, velocity, contact, contact, contact, agent});
+  setHits(distance, literal, situation.discs.back());
 }
 
 void addNeighbours(const GolaemParameters& p, const PlanInput& input, std::uint32_t agent,
@@ -61,9 +69,22 @@ void addWalls(const GolaemParameters& p, const PlanInput& input, std::uint32_t a
     }
     const float distance = glm::distance(nearestOn(wall, position), position);
     if (distance < (1.0f - kTouch) * contact) situation.contact = true;
-    situation.walls.push_back({wall.from - position, wall.to - position, wall.velocity, contact,
-                               hitDistance(contact, distance, p.literal)});
+    situation.walls.push_back({wall.from - position, wall.to - position, wall.velocity, contact});
+    setHits(distance, p.literal, situation.walls.back());
   }
+}
+
+/// Where to go instead for someone who has stood for a while because others are in the way.
+glm::vec2 aroundTheJam(const GolaemParameters& p, float waited, float side, glm::vec2 towards) {
+  const float turned = std::clamp(p.impatience * (waited - p.patience), 0.0f, kFarthestAround);
+  if (turned == 0.0f) return towards;
+  return rotatedBy(towards, {std::cos(turned), side * std::sin(turned)});
+}
+
+/// What the body does now.
+Command presentOf(const AgentsView& agents, std::uint32_t agent, const GolaemRow& row) {
+  const glm::vec2 heading = navmesh::directionOf(agents.heading[agent]);
+  return {std::max(0.0f, glm::dot(agents.velocity[agent], heading)), row.angular};
 }
 
 class Golaem final : public Model {
@@ -107,21 +128,51 @@ class Golaem final : public Model {
     lookAround(p_, input, agent, row, own.situation);
     own.search.prepare(own.situation.problem);
     const TrajectoryChoice choice = own.search.best();
-    const Command command = choice.kind == TrajectoryChoice::Kind::none
-                                ? p_.clips->clips()[p_.clips->neutral()].motion
-                                : own.situation.first[choice.first];
+    const Command wanted = choice.kind == TrajectoryChoice::Kind::none
+                               ? p_.clips->clips()[p_.clips->neutral()].motion
+                               : own.situation.first[choice.first];
+    const Command command =
+        approached(presentOf(input.agents, agent, row), wanted, std::max(p_.period, input.seconds));
     PlanStatus status = PlanStatus::ok;
     if (choice.kind != TrajectoryChoice::Kind::free) status = PlanStatus::infeasible;
     if (own.situation.contact) status = PlanStatus::contact;
+    countWait(input, agent, own.situation.problem, row);
     row.linear = command.linear;
     row.angular = command.angular;
-    const ClipBlend blend = p_.clips->blend(command).value_or(
-        ClipBlend{{p_.clips->neutral(), p_.clips->neutral(), p_.clips->neutral()}});
+    // On the way from a motion that no clips make (a push, a jump), those of where it leads.
+    auto blend = p_.clips->blend(command);
+    if (!blend) blend = p_.clips->blend(wanted);
     for (std::size_t c = 0; c < 3; ++c) {
-      row.clip[c] = static_cast<float>(blend.clip[c]);
-      row.weight[c] = blend.weight[c];
+      row.clip[c] = static_cast<float>(blend->clip[c]);
+      row.weight[c] = blend->weight[c];
     }
     return Plan::arc(command.linear, command.angular, status);
+  }
+
+  // By the ground it made since the last plan, not by its speed: bodies may hold each other up.
+  void countWait(const PlanInput& input, std::uint32_t agent, const TrajectoryProblem& problem,
+                 GolaemRow& row) const {
+    const float seconds = std::max(p_.period, input.seconds);
+    const glm::vec2 position = input.agents.position[agent];
+    const float made = glm::distance(position, row.place) / seconds;
+    const bool waits = made < kWaiting * problem.comfortSpeed && problem.remaining > kNearGoal;
+    row.waited = std::clamp(row.waited + (waits ? seconds : -seconds), 0.0f, kLongestWait);
+    row.place = position;
+  }
+
+  /// As near to the wanted command as the limits let it come until the next plan. Both parts come
+  /// equally near, so what lies between two playable motions is playable.
+  Command approached(Command present, Command wanted, float seconds) const {
+    const float linear = std::abs(wanted.linear - present.linear);
+    const float angular = std::abs(wanted.angular - present.angular);
+    float share = 1.0f;
+    if (linear > p_.linearAcceleration * seconds) share = p_.linearAcceleration * seconds / linear;
+    if (angular * share > p_.angularAcceleration * seconds) {
+      share = p_.angularAcceleration * seconds / angular;
+    }
+    if (share >= 1.0f) return wanted;
+    return {present.linear + share * (wanted.linear - present.linear),
+            present.angular + share * (wanted.angular - present.angular)};
   }
 
   GolaemParameters p_;
@@ -152,11 +203,17 @@ void lookAround(const GolaemParameters& p, const PlanInput& input, std::uint32_t
   const float speed = glm::length(preferred);
   if (speed > 1e-6f) {
     problem.towards = preferred / speed;
+    if (!p.literal) problem.towards = aroundTheJam(p, row.waited, input.side, problem.towards);
     problem.comfortSpeed = row.comfortSpeed > 0.0f ? row.comfortSpeed
                            : p.comfortSpeed > 0.0f ? p.comfortSpeed
                                                    : agents.preferredSpeed[agent];
     problem.comfortSpeed = std::min(problem.comfortSpeed, agents.maximumSpeed[agent]);
     problem.remaining = agents.remaining[agent];
+    // Who is nearly there lets others come as near as the goal is.
+    if (!p.literal) {
+      problem.weights.agentSpace =
+          std::min(problem.weights.agentSpace, std::max(problem.remaining, kLeastSpace));
+    }
   }
   const float boldness = std::clamp(row.boldness > 0.0f ? row.boldness : p.boldness, 0.0f, 1.0f);
   float lasts = boldness * p.shortestLook + (1.0f - boldness) * p.longestLook;
@@ -174,6 +231,7 @@ void lookAround(const GolaemParameters& p, const PlanInput& input, std::uint32_t
   sampling.sideOffset = p.sideOffset;
   sampling.side = input.side;
   sampling.fastest = agents.maximumSpeed[agent];
+  sampling.fitted = !p.literal;
   sampling.comfortSpeed = p.literal ? 0.0f : problem.comfortSpeed;
   if (p.dual) {
     CommandSampling second = sampling;
@@ -183,9 +241,9 @@ void lookAround(const GolaemParameters& p, const PlanInput& input, std::uint32_t
   } else {
     situation.second.clear();
   }
-  const float until = std::max(p.period, input.seconds);
-  sampling.present = {std::max(0.0f, glm::dot(agents.velocity[agent], problem.heading)),
-                      row.angular};
+  float until = std::max(p.period, input.seconds);
+  if (!p.literal) until = std::max(until, p.reachSeconds);
+  sampling.present = presentOf(agents, agent, row);
   sampling.reach = {p.linearAcceleration * until, p.angularAcceleration * until};
   sampleCommands(clips, sampling, situation.first);
 

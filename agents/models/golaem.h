@@ -9,7 +9,7 @@
 //   `sideOffset` is added to u, so above 0 there are more trajectories to the left.
 // - A command that no clips can be blended for is dropped. Clips on one line are sampled along it.
 // - Acceleration limits bound the first command only: linear and angular velocities are sampled
-//   over what can be reached from the present ones until the next plan.
+//   over what can be reached from the present ones, in the literal form until the next plan.
 // - Trajectories last boldness * shortestLook + (1 - boldness) * longestLook: who is bold looks
 //   less far ahead.
 //
@@ -17,7 +17,13 @@
 //
 // Departs from the source, unless `literal`:
 // - One of the sampled speeds is the comfort speed, so that who has free way walks at it.
+// - The first command may be what takes `reachSeconds` to reach; the body then approaches it within
+//   its acceleration limits. Sampled only up to the next plan, as in the source, someone who stands
+//   finds no reason to walk off: a fifth of a metre a second for half a trajectory leads nowhere.
+// - Turns are sampled over what the clips can play at each speed, so that none is dropped.
 // - Near the goal trajectories are shorter, so that the goal is met and not circled.
+// - Who has stood for more than `patience` because others are in the way aims more and more to the
+//   side that everybody takes, so that jams turn and dissolve. In the source they stand for good.
 // - Bodies that touch already may part: only what brings them closer is dismissed. In the source
 //   everything is.
 // The source also calls the full dual command too much to search (22,500 trajectories an agent);
@@ -52,9 +58,13 @@ struct GolaemParameters {
   float longestLook = 4.0f;   ///< T_max, seconds
   float comfortSpeed = 0.0f;  ///< m/s; 0: the agent's preferred speed
 
-  float linearAcceleration = 2.0f;   ///< m/s^2; infinity: no limit
-  float angularAcceleration = 8.0f;  ///< rad/s^2; infinity: no limit
-  float period = 0.1f;               ///< from plan to plan, seconds; 0: every tick
+  float linearAcceleration = 6.0f;    ///< m/s^2; infinity: no limit
+  float angularAcceleration = 12.0f;  ///< rad/s^2; infinity: no limit
+  float reachSeconds = 0.3f;  ///< in which the first command has to be reached, at least `period`
+  float period = 0.1f;        ///< from plan to plan, seconds; 0: every tick
+
+  float patience = 1.0f;    ///< seconds of standing before it looks for a way around
+  float impatience = 0.6f;  ///< rad/s by which its aim then turns away
 
   // Sensors. Agents and obstacles within 2 m of the own height are seen, which is about twice the
   // source's and the crowd's own rule.
@@ -75,6 +85,8 @@ struct GolaemRow {
   float boldness;      ///< above 0 to 1
   float comfortSpeed;  ///< m/s
   float linear, angular;
+  glm::vec2 place;  ///< where it was at the last plan
+  float waited;     ///< seconds it has stood though it wanted to go, less those it walked since
   std::array<float, 3> clip;  ///< whole numbers
   std::array<float, 3> weight;
 };

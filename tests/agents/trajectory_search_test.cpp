@@ -117,9 +117,10 @@ Plain plainly(const TrajectoryProblem& problem, std::uint32_t first, std::uint32
             glm::dvec2(disc.position) + glm::dvec2(disc.velocity) * (t * (k - 1 + share)));
       };
       for (int m = 0; m <= 100; ++m) sum.nearest = std::min(sum.nearest, off(0.01 * m) - disc.hit);
+      sum.nearest = std::min(sum.nearest, off(1.0) - disc.keep);
       const double space = disc.agent ? problem.weights.agentSpace : problem.weights.obstacleSpace;
       double& worst = disc.agent ? sum.agents : sum.obstacles;
-      worst = std::max(worst, std::clamp(1.0 - (off(1.0) - disc.contact) / space, 0.0, 1.0));
+      worst = std::max(worst, std::max(1.0 - (off(1.0) - disc.contact) / space, 0.0));
     }
     for (const PredictedWall& wall : problem.walls) {
       const auto off = [&](double share) {
@@ -128,9 +129,10 @@ Plain plainly(const TrajectoryProblem& problem, std::uint32_t first, std::uint32
                               glm::dvec2(wall.to) + by);
       };
       for (int m = 0; m <= 100; ++m) sum.nearest = std::min(sum.nearest, off(0.01 * m) - wall.hit);
+      sum.nearest = std::min(sum.nearest, off(1.0) - wall.keep);
       sum.obstacles = std::max(
           sum.obstacles,
-          std::clamp(1.0 - (off(1.0) - wall.contact) / problem.weights.obstacleSpace, 0.0, 1.0));
+          std::max(1.0 - (off(1.0) - wall.contact) / problem.weights.obstacleSpace, 0.0));
     }
   }
   sum.course /= worstCourse;
@@ -156,7 +158,7 @@ TEST(TrajectoryScore, IsWhatTheFormulasSay) {
     const Plain plain = plainly(situation.problem, i, j);
     EXPECT_NEAR(score.course, plain.course, 2e-5);
     EXPECT_NEAR(score.speed, plain.speed, 2e-5);
-    for (const float one : {score.course, score.speed, score.agents, score.obstacles}) {
+    for (const float one : {score.course, score.speed}) {
       EXPECT_GE(one, 0.0f);
       EXPECT_LE(one, 1.0f + 1e-5f);
     }
@@ -189,7 +191,8 @@ TEST(TrajectorySearch, IsTheMirroredChoiceInAMirror) {
       disc.velocity = flip(disc.velocity);
     }
     for (PredictedWall& wall : mirror.walls) {
-      wall = {flip(wall.from), flip(wall.to), flip(wall.velocity), wall.contact, wall.hit};
+      wall = {flip(wall.from), flip(wall.to), flip(wall.velocity), wall.contact, wall.hit,
+              wall.keep};
     }
     mirror.problem.heading = flip(mirror.problem.heading);
     mirror.problem.towards = flip(mirror.problem.towards);

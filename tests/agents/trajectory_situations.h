@@ -47,7 +47,8 @@ inline void addDisc(Dice& dice, float most, TrajectorySituation& situation) {
   disc.position = dice.direction() * dice.between(0.3f, most);
   disc.velocity = dice.oneIn(4) ? glm::vec2(0.0f) : dice.direction() * dice.between(0.2f, 1.6f);
   disc.contact = dice.between(0.4f, 0.7f);
-  disc.hit = std::min(disc.contact, 0.999f * glm::length(disc.position));
+  disc.hit = std::min(disc.contact, 0.8f * glm::length(disc.position));
+  disc.keep = std::min(disc.contact, 0.999f * glm::length(disc.position));
   disc.agent = !dice.oneIn(4);
   situation.discs.push_back(disc);
 }
@@ -59,7 +60,9 @@ inline void addWall(Dice& dice, TrajectorySituation& situation) {
   wall.velocity = dice.oneIn(5) ? dice.direction() * dice.between(0.1f, 1.0f) : glm::vec2(0.0f);
   wall.contact = dice.between(0.1f, 0.4f);
   const Wall at{wall.from, wall.to, kNoWall, kNoWall, 0, 0, 0, 0, glm::vec2(0.0f)};
-  wall.hit = std::min(wall.contact, 0.999f * glm::length(nearestOn(at, glm::vec2(0.0f))));
+  const float away = glm::length(nearestOn(at, glm::vec2(0.0f)));
+  wall.hit = std::min(wall.contact, 0.8f * away);
+  wall.keep = std::min(wall.contact, 0.999f * away);
   situation.walls.push_back(wall);
 }
 
