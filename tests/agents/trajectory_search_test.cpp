@@ -130,9 +130,9 @@ Plain plainly(const TrajectoryProblem& problem, std::uint32_t first, std::uint32
       };
       for (int m = 0; m <= 100; ++m) sum.nearest = std::min(sum.nearest, off(0.01 * m) - wall.hit);
       sum.nearest = std::min(sum.nearest, off(1.0) - wall.keep);
-      sum.obstacles = std::max(
-          sum.obstacles,
-          std::max(1.0 - (off(1.0) - wall.contact) / problem.weights.obstacleSpace, 0.0));
+      sum.obstacles =
+          std::max(sum.obstacles,
+                   std::max(1.0 - (off(1.0) - wall.contact) / problem.weights.obstacleSpace, 0.0));
     }
   }
   sum.course /= worstCourse;
@@ -191,8 +191,8 @@ TEST(TrajectorySearch, IsTheMirroredChoiceInAMirror) {
       disc.velocity = flip(disc.velocity);
     }
     for (PredictedWall& wall : mirror.walls) {
-      wall = {flip(wall.from), flip(wall.to), flip(wall.velocity), wall.contact, wall.hit,
-              wall.keep};
+      wall = {flip(wall.from), flip(wall.to), flip(wall.velocity),
+              wall.contact,    wall.hit,      wall.keep};
     }
     mirror.problem.heading = flip(mirror.problem.heading);
     mirror.problem.towards = flip(mirror.problem.towards);
