@@ -92,8 +92,9 @@ class Picture {
                     situation_.problem.step * static_cast<float>(situation_.problem.points),
                     dismissed.size()));
     drawing_.beginClip(page_.corner(), page_.mapSize());
-    drawSurroundings();
+    drawWays();
     for (const Rated& one : dismissed) drawOne(one.first, one.second, kDismissed);
+    drawOthers();
     drawFree(free);
     if (choice.kind != TrajectoryChoice::Kind::none) {
       drawOne(choice.first, choice.second,
@@ -151,19 +152,24 @@ class Picture {
     }
   }
 
-  // Others with the ground they are predicted to walk over, and walls.
-  void drawSurroundings() {
-    const agents::TrajectoryProblem& problem = situation_.problem;
-    const float lasts = problem.step * static_cast<float>(problem.points);
+  double radiusOf(const agents::PredictedDisc& disc) const {
+    return std::max(0.05, static_cast<double>(disc.contact - radius_)) * page_.scale();
+  }
+
+  // The ground that others are predicted to walk over.
+  void drawWays() {
+    const float lasts = situation_.problem.step * static_cast<float>(situation_.problem.points);
     for (const agents::PredictedDisc& disc : situation_.discs) {
-      const double theirs =
-          std::max(0.05, static_cast<double>(disc.contact - radius_)) * page_.scale();
-      const glm::dvec2 from = at(disc.position), to = at(disc.position + disc.velocity * lasts);
       drawing_.line(
-          from, to,
+          at(disc.position), at(disc.position + disc.velocity * lasts),
           fmt::format("stroke=\"#dfe7f3\" stroke-linecap=\"round\" stroke-width=\"{:.1f}\"",
-                      2.0 * theirs));
-      drawing_.circle(from, theirs,
+                      2.0 * radiusOf(disc)));
+    }
+  }
+
+  void drawOthers() {
+    for (const agents::PredictedDisc& disc : situation_.discs) {
+      drawing_.circle(at(disc.position), radiusOf(disc),
                       disc.agent ? "fill=\"#8fa3c4\" stroke=\"#5c6f91\"" : "fill=\"#5b5f66\"");
     }
     for (const agents::PredictedWall& wall : situation_.walls) {
@@ -201,9 +207,8 @@ class Picture {
             fmt::format("stroke=\"{}\" stroke-width=\"3\"", colourOf(1.0f)));
     }
     entry("dismissed", "stroke=\"#c3c9d1\" stroke-width=\"3\"");
-    entry("straight at comfort speed",
-          "stroke=\"#2b3440\" stroke-width=\"1.5\" stroke-dasharray=\"6 5\"");
-    entry("others, and where they will be", "stroke=\"#8fa3c4\" stroke-width=\"8\"");
+    entry("straight walk", "stroke=\"#2b3440\" stroke-width=\"1.5\" stroke-dasharray=\"6 5\"");
+    entry("others, their ways", "stroke=\"#8fa3c4\" stroke-width=\"8\"");
     prediction::drawScaleBar(drawing_, page_);
   }
 

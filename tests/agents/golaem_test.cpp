@@ -25,15 +25,16 @@ TEST(Golaem, WalksToItsGoalAtComfortSpeedAndStops) {
   const ModelId model = crowd.addModel(makeGolaem());
   const AgentId id = crowd.add(someone({0, 0}, 1.0f, model)).value();
   crowd.setGoal(id, {3.0f, 12.0f});
-  float fastest = 0.0f;
   int steps = 0;
   while (!crowd.arrived(id) && steps < 200) {
     crowd.step(0.1f);
     ++steps;
-    fastest = std::max(fastest, glm::length(crowd.view().velocity[0]));
+    // It has turned to the goal by then, and is not there yet.
+    if (steps > 40 && steps < 80) {
+      EXPECT_NEAR(glm::length(crowd.view().velocity[0]), 1.3f, 0.02f);
+    }
   }
   EXPECT_LT(steps, 120);
-  EXPECT_NEAR(fastest, 1.3f, 0.1f);
   for (int k = 0; k < 30; ++k) crowd.step(0.1f);
   EXPECT_LT(glm::length(crowd.view().velocity[0]), 0.01f);
   EXPECT_TRUE(crowd.arrived(id));
