@@ -60,6 +60,7 @@ void Crowd::forArrays(const Visit& visit) {
   visit(goalRadius_);
   visit(plan_);
   visit(planAge_);
+  visit(heldUp_);
 }
 
 tl::expected<AgentId, Error> Crowd::add(const AgentSpec& spec) {

@@ -61,6 +61,10 @@ struct CrowdSettings {
   /// and stare; radians. And to which side: 1 left, -1 right. A mirrored scene has the other side.
   float symmetryBreak = 1e-3f;
   float side = -1.0f;
+  /// And who has been held up (walks at less than a tenth of what it wants) turns farther with
+  /// every second, to the same side, until the knot comes loose; radians a second, up to 1.2. 0:
+  /// never.
+  float unknot = 0.5f;
 };
 
 /// What the last step met.
@@ -186,8 +190,10 @@ class Crowd {
   std::vector<Plan> plan_;
   std::vector<float> planAge_;  // seconds since planned for; infinity: never
   std::vector<float> memory_;
+  std::vector<float> heldUp_;  // seconds
   std::vector<const Needs*> needsOf_;
   std::vector<glm::vec2> before_;  // positions at the start of the tick
+  std::vector<glm::vec2> moved_;   // and before projection
   std::vector<std::uint32_t> indexOfId_;
   Navigation navigation_;
 

@@ -11,6 +11,9 @@ namespace {
 // Below this a body does not turn to where it drifts, m/s.
 constexpr float kTurningSpeed = 0.05f;
 
+// So near to the goal nobody goes round a jam, metres.
+constexpr float kNearGoal = 1.0f;
+
 bool isFinite(glm::vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 
 glm::vec2 clipped(glm::vec2 v, float limit) {
@@ -74,25 +77,36 @@ void Crowd::refreshWalls() {
 
 void Crowd::setPreferredVelocities(float seconds, const navmesh::ForEach& forEach) {
   navigation_.findPaths(position_, height_);
-  const float angle = settings_.symmetryBreak * (settings_.side >= 0.0f ? 1.0f : -1.0f);
-  const float c = std::cos(angle), s = std::sin(angle);
-  forSlices(static_cast<std::uint32_t>(id_.size()), forEach,
-            [&](std::size_t, std::uint32_t begin, std::uint32_t end) {
-              for (std::uint32_t i = begin; i < end; ++i) {
-                const SubGoal goal = navigation_.advance(i, position_[i]);
-                target_[i] = goal.target;
-                remaining_[i] = goal.remaining;
-                preferredVelocity_[i] = glm::vec2(0.0f);
-                if (goal.remaining <= goalRadius_[i]) continue;
-                const glm::vec2 towards = goal.target - position_[i];
-                const float distance = glm::length(towards);
-                if (!(distance > 0.0f)) continue;
-                // Not beyond the goal within this tick.
-                const float speed = std::min(preferredSpeed_[i], goal.remaining / seconds);
-                const glm::vec2 v = towards * (speed / distance);
-                preferredVelocity_[i] = {c * v.x - s * v.y, s * v.x + c * v.y};
-              }
-            });
+  const float sign = settings_.side >= 0.0f ? 1.0f : -1.0f;
+  const float c = std::cos(sign * settings_.symmetryBreak),
+              s = std::sin(sign * settings_.symmetryBreak);
+  forSlices(
+      static_cast<std::uint32_t>(id_.size()), forEach,
+      [&](std::size_t, std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t i = begin; i < end; ++i) {
+          const SubGoal goal = navigation_.advance(i, position_[i]);
+          target_[i] = goal.target;
+          remaining_[i] = goal.remaining;
+          preferredVelocity_[i] = glm::vec2(0.0f);
+          if (goal.remaining <= goalRadius_[i]) continue;
+          const glm::vec2 towards = goal.target - position_[i];
+          const float distance = glm::length(towards);
+          if (!(distance > 0.0f)) continue;
+          // Not beyond the goal within this tick.
+          const float speed = std::min(preferredSpeed_[i], goal.remaining / seconds);
+          const glm::vec2 v = towards * (speed / distance);
+          preferredVelocity_[i] = {c * v.x - s * v.y, s * v.x + c * v.y};
+          // Held up: by how much what it wants differs from what it gets.
+          // Who is nearly there turns or waits for its place, and is not held up.
+          const bool held = goal.remaining > kNearGoal && glm::length(velocity_[i]) < 0.1f * speed;
+          heldUp_[i] = std::clamp(heldUp_[i] + (held ? seconds : -2.0f * seconds), 0.0f, 10.0f);
+          if (heldUp_[i] > 0.0f && settings_.unknot > 0.0f) {
+            const float turn = sign * std::min(settings_.unknot * heldUp_[i], 2.5f);
+            const float tc = std::cos(turn), ts = std::sin(turn);
+            preferredVelocity_[i] = {tc * v.x - ts * v.y, ts * v.x + tc * v.y};
+          }
+        }
+      });
 }
 
 void Crowd::planFor(OwnModel& own, std::uint32_t modelNumber, std::uint32_t subStep, float seconds,
@@ -189,7 +203,7 @@ const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {
   needsOf_.assign(n, nullptr);
   float reach = 0.0f, longest = seconds;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (flags_[i] != 0) continue;
+    if (flags_[i] != 0 || modelOf_[i] == kNoModel) continue;
     const Needs& needs = models_[static_cast<std::size_t>(modelOf_[i])].needs;
     if (planAge_[i] + 1e-5f < needs.period) continue;
     needsOf_[i] = &needs;
@@ -214,8 +228,14 @@ const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {
   report_.deepestOverlap = 0.0f;
   if (settings_.project) {
     refreshWalls();
+    moved_.assign(position_.begin(), position_.end());
     report_.deepestOverlap = projection_.apply(view(), before_, wallIndex_, settings_.projection,
                                                index_, forEach, position_);
+    // Whoever was held up goes on from what came of its step, not from what it wanted.
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (flags_[i] & (kHuman | kStatic) || position_[i] == moved_[i]) continue;
+      velocity_[i] = clipped((position_[i] - before_[i]) / seconds, maximumSpeed_[i]);
+    }
   }
   if (navigation_.world()) {
     forSlices(n, forEach, [&](std::size_t, std::uint32_t begin, std::uint32_t end) {

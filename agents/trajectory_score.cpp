@@ -43,6 +43,30 @@ void TrajectorySearch::prepare(const TrajectoryProblem& problem) {
   prepareSurroundings();
 }
 
+void TrajectorySearch::reserve(std::size_t first, std::size_t second, std::size_t points,
+                               std::size_t discs, std::size_t walls) {
+  straight_.reserve(points + 1);
+  straightSpeed_.reserve(points + 1);
+  pointWeight_.reserve(points + 1);
+  discAt_.reserve((points + 1) * discs);
+  discFar_.reserve(discs);
+  wallFar_.reserve(walls);
+  for (auto* row : {&secondX_, &secondY_, &secondDirX_, &secondDirY_, &placeX_, &placeY_}) {
+    row->reserve(second * points);
+  }
+  secondSpeed_.reserve(second);
+  cost_.reserve(second);
+  open_.reserve(second);
+  ends_.reserve(first);
+  order_.reserve(first);
+  hitEarly_.reserve(first);
+  for (Reach* reach : {&reachOfFirst_, &reachOfSecond_}) {
+    reach->discs.reserve(points * discs);
+    reach->walls.reserve(points * walls);
+    reach->starts.reserve(points + 1);
+  }
+}
+
 // The walk that the course is compared with, and what could be worst.
 void TrajectorySearch::prepareStraight() {
   const std::size_t size = problem_.points + 1;

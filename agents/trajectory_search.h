@@ -119,6 +119,10 @@ class TrajectorySearch {
   /// tables that all trajectories share.
   void prepare(const TrajectoryProblem& problem);
 
+  /// Makes room for problems up to this size, so that nothing is allocated later.
+  void reserve(std::size_t first, std::size_t second, std::size_t points, std::size_t discs,
+               std::size_t walls);
+
   /// One trajectory, looked at all the way. O(points * (discs + walls)).
   TrajectoryScore score(std::uint32_t first, std::uint32_t second) const;
 

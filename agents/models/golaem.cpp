@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "agents/command_samples.h"
-#include "agents/trajectory_geometry.h"
 #include "navmesh/plan.h"
 
 namespace forewalk::agents {
@@ -15,9 +14,7 @@ namespace {
 constexpr float kTouch = 0.01f;
 // Near the goal a trajectory lasts so many times the rest of the way, and at least so long.
 constexpr float kBeyondGoal = 1.5f, kShortest = 0.5f;
-// Who moves slower than this share of its comfort speed waits, unless it is nearly there (metres);
-// and turns away at most so far (radians), for so long (seconds).
-constexpr float kWaiting = 0.25f, kNearGoal = 1.0f, kFarthestAround = 2.6f, kLongestWait = 10.0f;
+// Personal space of who has arrived, metres.
 constexpr float kLeastSpace = 0.05f;
 
 struct GolaemScratch : Scratch {
@@ -74,13 +71,6 @@ void addWalls(const GolaemParameters& p, const PlanInput& input, std::uint32_t a
   }
 }
 
-/// Where to go instead for someone who has stood for a while because others are in the way.
-glm::vec2 aroundTheJam(const GolaemParameters& p, float waited, float side, glm::vec2 towards) {
-  const float turned = std::clamp(p.impatience * (waited - p.patience), 0.0f, kFarthestAround);
-  if (turned == 0.0f) return towards;
-  return rotatedBy(towards, {std::cos(turned), side * std::sin(turned)});
-}
-
 /// What the body does now.
 Command presentOf(const AgentsView& agents, std::uint32_t agent, const GolaemRow& row) {
   const glm::vec2 heading = navmesh::directionOf(agents.heading[agent]);
@@ -108,7 +98,17 @@ class Golaem final : public Model {
   }
 
   std::unique_ptr<Scratch> makeScratch() const override {
-    return std::make_unique<GolaemScratch>();
+    auto scratch = std::make_unique<GolaemScratch>();
+    const std::size_t first = std::size_t{p_.linearSamples} * p_.angularSamples;
+    const std::size_t second = std::size_t{p_.secondLinear ? p_.secondLinear : p_.linearSamples} *
+                               (p_.secondAngular ? p_.secondAngular : p_.angularSamples);
+    const std::size_t discs = std::size_t{p_.neighbourCount} + p_.wallCount;
+    scratch->situation.first.reserve(first);
+    scratch->situation.second.reserve(second);
+    scratch->situation.discs.reserve(discs);
+    scratch->situation.walls.reserve(p_.wallCount);
+    scratch->search.reserve(first, second, p_.points, discs, p_.wallCount);
+    return scratch;
   }
 
   void plan(const PlanInput& input, Memory memory, Scratch& scratch,
@@ -136,7 +136,6 @@ class Golaem final : public Model {
     PlanStatus status = PlanStatus::ok;
     if (choice.kind != TrajectoryChoice::Kind::free) status = PlanStatus::infeasible;
     if (own.situation.contact) status = PlanStatus::contact;
-    countWait(input, agent, own.situation.problem, row);
     row.linear = command.linear;
     row.angular = command.angular;
     // On the way from a motion that no clips make (a push, a jump), those of where it leads.
@@ -147,17 +146,6 @@ class Golaem final : public Model {
       row.weight[c] = blend->weight[c];
     }
     return Plan::arc(command.linear, command.angular, status);
-  }
-
-  // By the ground it made since the last plan, not by its speed: bodies may hold each other up.
-  void countWait(const PlanInput& input, std::uint32_t agent, const TrajectoryProblem& problem,
-                 GolaemRow& row) const {
-    const float seconds = std::max(p_.period, input.seconds);
-    const glm::vec2 position = input.agents.position[agent];
-    const float made = glm::distance(position, row.place) / seconds;
-    const bool waits = made < kWaiting * problem.comfortSpeed && problem.remaining > kNearGoal;
-    row.waited = std::clamp(row.waited + (waits ? seconds : -seconds), 0.0f, kLongestWait);
-    row.place = position;
   }
 
   /// As near to the wanted command as the limits let it come until the next plan. Both parts come
@@ -203,7 +191,6 @@ void lookAround(const GolaemParameters& p, const PlanInput& input, std::uint32_t
   const float speed = glm::length(preferred);
   if (speed > 1e-6f) {
     problem.towards = preferred / speed;
-    if (!p.literal) problem.towards = aroundTheJam(p, row.waited, input.side, problem.towards);
     problem.comfortSpeed = row.comfortSpeed > 0.0f ? row.comfortSpeed
                            : p.comfortSpeed > 0.0f ? p.comfortSpeed
                                                    : agents.preferredSpeed[agent];

@@ -22,8 +22,7 @@
 //   finds no reason to walk off: a fifth of a metre a second for half a trajectory leads nowhere.
 // - Turns are sampled over what the clips can play at each speed, so that none is dropped.
 // - Near the goal trajectories are shorter, so that the goal is met and not circled.
-// - Who has stood for more than `patience` because others are in the way aims more and more to the
-//   side that everybody takes, so that jams turn and dissolve. In the source they stand for good.
+// - Who is nearly there lets others come as near as the goal is, or it would never get there.
 // - Bodies that touch already may part: only what brings them closer is dismissed. In the source
 //   everything is.
 // The source also calls the full dual command too much to search (22,500 trajectories an agent);
@@ -63,11 +62,8 @@ struct GolaemParameters {
   float reachSeconds = 0.3f;  ///< in which the first command has to be reached, at least `period`
   float period = 0.1f;        ///< from plan to plan, seconds; 0: every tick
 
-  float patience = 1.0f;    ///< seconds of standing before it looks for a way around
-  float impatience = 0.6f;  ///< rad/s by which its aim then turns away
-
-  // Sensors. Agents and obstacles within 2 m of the own height are seen, which is about twice the
-  // source's and the crowd's own rule.
+  // Sensors. Agents and obstacles within 2 m of the own height are seen: the crowd's own rule,
+  // about the source's twice the height.
   float detectionWidth = 0.5f;  ///< of a body, metres
   float agentWidths = 25.0f;    ///< agents are seen within so many
   float obstacleWidths = 8.0f;  ///< obstacles likewise
@@ -85,8 +81,6 @@ struct GolaemRow {
   float boldness;      ///< above 0 to 1
   float comfortSpeed;  ///< m/s
   float linear, angular;
-  glm::vec2 place;  ///< where it was at the last plan
-  float waited;     ///< seconds it has stood though it wanted to go, less those it walked since
   std::array<float, 3> clip;  ///< whole numbers
   std::array<float, 3> weight;
 };

@@ -10,9 +10,9 @@
 // Departs from the source:
 // - Walls, which the published library leaves out: the cone of the segment widened by the agent's
 //   radius, cut off at `wallHorizon`. Circles likewise, at their velocity.
-// - Cones of agents are cut off at `timeHorizon`; the published ones reach to infinity (give 0 for
-// that),
-//   so that in a crowd whoever is far away forbids as much as whoever is near.
+// - Cones of agents may be cut off at `timeHorizon`; the published ones reach to infinity, which is
+// also
+//   the default: cut ones let more people through a crowd's middle and overlap more often there.
 // - Where no velocity is free: the least |v - preferred| + w / (time to collision) over the
 // candidates and
 //   a polar sample, in place of the one that enters the farthest first-entered cone. Velocities
@@ -27,10 +27,9 @@
 namespace forewalk::agents {
 
 struct HrvoParameters {
-  float neighbourRadius = 5.0f;  ///< metres
-  std::uint32_t neighbourCount = 10;
-  float timeHorizon =
-      5.0f;  ///< collisions with agents later than this do not count, seconds; 0: all do
+  float neighbourRadius = 5.0f;      ///< metres
+  std::uint32_t neighbourCount = 6;  ///< as in the thesis; cost grows with its square
+  float timeHorizon = 0.0f;      ///< later collisions with agents do not count, seconds; 0: all do
   float wallHorizon = 1.0f;      ///< the same for walls, seconds, > 0
   float uncertainty = 0.0f;      ///< of others' velocities, m/s: cones begin so much earlier
   float collisionWeight = 1.0f;  ///< w: metres; how much a near collision counts against a detour
