@@ -6,7 +6,7 @@ include(CMakePackageConfigHelpers)
 set(forewalk_headers ${CMAKE_INSTALL_INCLUDEDIR}/forewalk)
 set(forewalk_config ${CMAKE_INSTALL_LIBDIR}/cmake/forewalk)
 
-install(TARGETS navmesh navmesh_build prediction prediction_dump rdw agents agents_evaluation
+install(TARGETS navmesh navmesh_build prediction prediction_dump rdw agents agents_clips agents_evaluation
   EXPORT forewalk
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   FILE_SET HEADERS DESTINATION ${forewalk_headers})

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "agents/models/golaem.h"
 #include "agents/models/hrvo.h"
 #include "agents/models/orca.h"
 #include "agents/models/social_forces.h"
@@ -24,6 +25,7 @@ inline std::vector<NamedModel> allModels() {
   return {
       {"orca", [] { return makeOrca(); }},
       {"hrvo", [] { return makeHrvo(); }},
+      {"golaem", [] { return makeGolaem(); }, 300'000},
       {"social-forces", [] { return makeSocialForces(); }},
   };
 }
