@@ -46,6 +46,32 @@ OverlapCount OverlapCounter::count(const AgentsView& agents, float tolerance) {
   return result;
 }
 
+std::uint32_t CollisionCounter::count(const AgentsView& agents, float tolerance) {
+  std::swap(touching_, before_);
+  touching_.clear();
+  const std::uint32_t n = agents.size();
+  if (n < 2) return 0;
+  const float widest = *std::max_element(agents.radius.begin(), agents.radius.end());
+  index_.build(agents, 2.0f * widest);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    index_.visitNear(agents.position[i], agents.radius[i] + widest, [&](std::uint32_t j) {
+      const std::uint64_t low = number(agents.id[i]), high = number(agents.id[j]);
+      if (low >= high || std::abs(agents.height[i] - agents.height[j]) > 2.0f) return;
+      const float reach = agents.radius[i] + agents.radius[j];
+      const float distance = glm::distance(agents.position[i], agents.position[j]);
+      if (distance < (1.0f - tolerance) * reach) touching_.push_back(low << 32 | high);
+    });
+  }
+  std::sort(touching_.begin(), touching_.end());
+  std::uint32_t begun = 0;
+  auto was = before_.begin();
+  for (const std::uint64_t pair : touching_) {
+    while (was != before_.end() && *was < pair) ++was;
+    begun += was == before_.end() || *was != pair;
+  }
+  return begun;
+}
+
 std::uint64_t countWallsEntered(const AgentsView& agents, std::span<const Wall> walls,
                                 float tolerance) {
   std::uint64_t entered = 0;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "agents/models/caacd.h"
 #include "agents/models/hrvo.h"
 #include "agents/models/orca.h"
 #include "agents/models/social_forces.h"
@@ -23,6 +24,7 @@ inline std::vector<NamedModel> allModels() {
       {"orca", [] { return makeOrca(); }},
       {"hrvo", [] { return makeHrvo(); }},
       {"social-forces", [] { return makeSocialForces(); }},
+      {"caacd", [] { return makeCaacd(); }},
   };
 }
 
