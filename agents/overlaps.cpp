@@ -72,21 +72,23 @@ std::uint32_t CollisionCounter::count(const AgentsView& agents, float tolerance)
   return begun;
 }
 
+bool entersWall(glm::vec2 position, float height, float radius, std::span<const Wall> walls,
+                float tolerance) {
+  if (windingOf(walls, position) < 0) return true;
+  return std::any_of(walls.begin(), walls.end(), [&](const Wall& wall) {
+    const float low = std::min(wall.fromHeight, wall.toHeight) - wall.reach;
+    const float high = std::max(wall.fromHeight, wall.toHeight) + wall.reach;
+    if (height < low || height > high) return false;
+    return glm::distance(position, nearestOn(wall, position)) <
+           wallRadius(radius, wall) - tolerance;
+  });
+}
+
 std::uint64_t countWallsEntered(const AgentsView& agents, std::span<const Wall> walls,
                                 float tolerance) {
   std::uint64_t entered = 0;
   for (std::uint32_t i = 0; i < agents.size(); ++i) {
-    const glm::vec2 at = agents.position[i];
-    bool inside = windingOf(walls, at) < 0;
-    for (const Wall& wall : walls) {
-      if (inside) break;
-      const float low = std::min(wall.fromHeight, wall.toHeight) - wall.reach;
-      const float high = std::max(wall.fromHeight, wall.toHeight) + wall.reach;
-      if (agents.height[i] < low || agents.height[i] > high) continue;
-      inside =
-          glm::distance(at, nearestOn(wall, at)) < wallRadius(agents.radius[i], wall) - tolerance;
-    }
-    entered += inside;
+    entered += entersWall(agents.position[i], agents.height[i], agents.radius[i], walls, tolerance);
   }
   return entered;
 }

@@ -49,6 +49,11 @@ class CollisionCounter {
   std::vector<std::uint64_t> touching_, before_;  ///< ascending, the lower id in the upper half
 };
 
+/// Whether a body at `position` and `height` reaches deeper than `tolerance` metres into a wall, or
+/// its centre is inside a closed row of walls that keeps agents out. O(walls).
+bool entersWall(glm::vec2 position, float height, float radius, std::span<const Wall> walls,
+                float tolerance);
+
 /// Agents whose body reaches deeper than `tolerance` metres into a wall (wallRadius), or whose
 /// centre is inside a closed row of walls that keeps agents out. O(agents * walls).
 std::uint64_t countWallsEntered(const AgentsView& agents, std::span<const Wall> walls,

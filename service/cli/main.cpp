@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kDone = 0, kRefused = 1, kWrongUsage = 2;
 
-constexpr const char* kVerbs = "build, predict, sweep, simulate, fit, evaluate, animate or demo";
+constexpr const char* kVerbs =
+    "build, predict, sweep, simulate, fit, evaluate, animate, crowd or demo";
 
 // The verb that was given, or the program where none was.
 const CLI::App& partOf(const CLI::App& program) {
@@ -85,7 +86,7 @@ int run(int argc, char** argv) {
       "Exit status: 0 done, 1 the input was refused, 2 wrong usage.");
   const Verb verbs[] = {addBuild(program),    addPredict(program), addSweep(program),
                         addSimulate(program), addFit(program),     addEvaluate(program),
-                        addAnimate(program),  addDemo(program)};
+                        addAnimate(program),  addCrowd(program),   addDemo(program)};
   try {
     program.parse(argc, argv);
     for (const Verb& verb : verbs) {

@@ -28,6 +28,7 @@ Verb addDemo(CLI::App& program);
 Verb addFit(CLI::App& program);
 Verb addEvaluate(CLI::App& program);
 Verb addAnimate(CLI::App& program);
+Verb addCrowd(CLI::App& program);
 
 /// For Option::check: why `text` is no whole number from 0 on, or "". (CLI11 lets -1 pass as the
 /// largest 64-bit number.)
