@@ -81,6 +81,7 @@ struct Member {
   bool departed = false, arrived = false;
   bool legMeasured = false;
   double legShortest = 0.0, legWalked = 0.0;
+  double speed = 0.0;  // from place to place: whoever is pushed back where they were has none
   glm::vec2 last{0.0f};
 };
 
@@ -365,6 +366,7 @@ void Runner::measureLegs() {
     const std::uint32_t i = crowd_.indexOf(member.id);
     const double moved = static_cast<double>(glm::distance(member.last, view.position[i]));
     member.last = view.position[i];
+    member.speed = moved / config_.tick;
     if (!member.departed || member.arrived) continue;
     member.legWalked += moved;
     if (!member.legMeasured && view.remaining[i] > 0.0f) {
@@ -398,14 +400,14 @@ void Runner::arrive(Member& member, double now, CrowdMetrics& metrics) {
 }
 
 void Runner::measure(CrowdMetrics& metrics) const {
-  const agents::AgentsView view = crowd_.view();
   if (!config_.measure) return;
+  const agents::AgentsView view = crowd_.view();
   std::uint32_t inside = 0;
   double speed = 0.0;
-  for (std::uint32_t i = 0; i < view.size(); ++i) {
-    if (!config_.measure->contains(view.position[i])) continue;
+  for (const Member& member : members_) {
+    if (!config_.measure->contains(view.position[crowd_.indexOf(member.id)])) continue;
     ++inside;
-    speed += static_cast<double>(glm::length(view.velocity[i]));
+    speed += member.speed;
   }
   if (inside == 0) return;
   metrics.diagram.push_back(
@@ -417,7 +419,7 @@ void Runner::record(CrowdRecording& recording) const {
   for (const Member& member : members_) {
     const std::uint32_t i = crowd_.indexOf(member.id);
     recording.samples.push_back(
-        {view.position[i], view.height[i], view.heading[i], glm::length(view.velocity[i])});
+        {view.position[i], view.height[i], view.heading[i], static_cast<float>(member.speed)});
   }
 }
 
@@ -446,18 +448,17 @@ void Runner::walk(const CrowdRun& run, CrowdResult& result) {
     metrics.overlaps += overlaps.count(crowd_.view());
     metrics.collisions += collisions.count(crowd_.view());
     metrics.wallsEntered += agents::countWallsEntered(crowd_.view(), crowd_.walls(), 0.01f);
-    measure(metrics);
     measureLegs();
+    measure(metrics);
     for (Member& member : members_) {
       if (member.departed && !member.arrived && !member.goals.empty() &&
           crowd_.arrived(member.id)) {
         arrive(member, static_cast<double>(tick) * config_.tick, metrics);
       }
     }
-    const agents::AgentsView view = crowd_.view();
-    for (std::uint32_t i = 0; i < view.size(); ++i) {
-      if (view.flags[i] != 0) continue;
-      speeds += static_cast<double>(glm::length(view.velocity[i]));
+    for (const Member& member : members_) {
+      if (config_.groups[member.group].human) continue;
+      speeds += member.speed;
       walkers += 1.0;
     }
     if (run.record) record(recording);

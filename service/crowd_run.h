@@ -24,7 +24,7 @@ struct CrowdSample {
   glm::vec2 plan;  ///< metres
   float height;    ///< metres
   float heading;   ///< radians
-  float speed;     ///< m/s
+  float speed;     ///< m/s, of the last tick's way
 };
 
 /// Everybody after every tick, the start first. Agents are numbered in the order of the groups.
