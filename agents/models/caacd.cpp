@@ -188,7 +188,10 @@ class Caacd final : public Model {
                                ? avoidance.sum * (avoidance.strength * self.acceleration / length)
                                : glm::vec2(0.0f);
     const glm::vec2 change = limited(amendment + away, self.acceleration) * input.seconds;
-    const glm::vec2 velocity = limited(self.velocity + change, agents.maximumSpeed[agent]);
+    // The source's MaxSpeed is the speed one walks at: nobody runs to get out of the way.
+    const float preferred = agents.preferredSpeed[agent], most = agents.maximumSpeed[agent];
+    const glm::vec2 velocity =
+        limited(self.velocity + change, preferred > 0.0f ? std::min(preferred, most) : most);
     return Plan::walk(outOfWalls(input, agent, self, velocity),
                       avoidance.contact ? PlanStatus::contact : PlanStatus::ok);
   }
