@@ -97,7 +97,7 @@ void Crowd::setPreferredVelocities(float seconds, const navmesh::ForEach& forEac
                 heldUp_[i] =
                     std::clamp(heldUp_[i] + (held ? seconds : -2.0f * seconds), 0.0f, 10.0f);
                 if (heldUp_[i] > 0.0f && settings_.unknot > 0.0f) {
-                  const float turn = sign * std::min(settings_.unknot * heldUp_[i], 1.2f);
+                  const float turn = sign * std::min(settings_.unknot * heldUp_[i], 2.5f);
                   const float tc = std::cos(turn), ts = std::sin(turn);
                   preferredVelocity_[i] = {tc * v.x - ts * v.y, ts * v.x + tc * v.y};
                 }
@@ -199,7 +199,7 @@ const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {
   needsOf_.assign(n, nullptr);
   float reach = 0.0f, longest = seconds;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (flags_[i] != 0) continue;
+    if (flags_[i] != 0 || modelOf_[i] == kNoModel) continue;
     const Needs& needs = models_[static_cast<std::size_t>(modelOf_[i])].needs;
     if (planAge_[i] + 1e-5f < needs.period) continue;
     needsOf_[i] = &needs;

@@ -144,8 +144,9 @@ SubGoal Navigation::advance(std::uint32_t agent, glm::vec2 position) {
   }
   const bool last = route.next + 1 == route.count;
   if (last && !route.toTheGoal && squaredDistance(position, route.corners[route.next]) < 4.0f) {
-    route.state = Route::State::wanted;  // found before anybody notices: within the next ticks
-    route.wantedSince = 0;
+    // Found anew before the last corner is reached. The turn it once had stays: first among those
+    // who ask.
+    route.state = Route::State::wanted;
   }
   SubGoal goal{route.corners[route.next], glm::distance(position, route.corners[route.next])};
   for (std::uint32_t k = route.next; k + 1u < route.count; ++k) {

@@ -96,6 +96,21 @@ void WallIndex::nearest(glm::vec2 position, float height, float radius, std::uin
                         std::vector<NearWall>& found) const {
   found.clear();
   if (columns_ == 0 || count == 0) return;
+  found.reserve(count);
+  // Into a sorted row of the nearest so many. A wall in several cells comes several times, each
+  // time to the same place.
+  const auto offer = [&](const NearWall& wall) {
+    std::size_t at = found.size();
+    while (at > 0 && (found[at - 1].squaredDistance > wall.squaredDistance ||
+                      (found[at - 1].squaredDistance == wall.squaredDistance &&
+                       found[at - 1].index > wall.index))) {
+      --at;
+    }
+    if (at > 0 && found[at - 1].index == wall.index) return;
+    if (at == count) return;
+    if (found.size() == count) found.pop_back();
+    found.insert(found.begin() + static_cast<std::ptrdiff_t>(at), wall);
+  };
   const int left = cellAlong(position.x - radius, origin_.x, cell_, columns_);
   const int right = cellAlong(position.x + radius, origin_.x, cell_, columns_);
   const int bottom = cellAlong(position.y - radius, origin_.y, cell_, rows_);
@@ -121,20 +136,10 @@ void WallIndex::nearest(glm::vec2 position, float height, float radius, std::uin
               std::max(wall.fromHeight, wall.toHeight) + wall.reach >= height)) {
           continue;
         }
-        found.push_back({w, squaredDistance});
+        offer({w, squaredDistance});
       }
     }
   }
-  const auto before = [](const NearWall& a, const NearWall& b) {
-    return a.squaredDistance < b.squaredDistance ||
-           (a.squaredDistance == b.squaredDistance && a.index < b.index);
-  };
-  std::sort(found.begin(), found.end(), before);
-  // A wall in several cells was found several times.
-  found.erase(std::unique(found.begin(), found.end(),
-                          [](const NearWall& a, const NearWall& b) { return a.index == b.index; }),
-              found.end());
-  if (found.size() > count) found.resize(count);
 }
 
 int NeighbourIndex::columnOf(float x) const { return cellAlong(x, origin_.x, cell_, columns_); }
@@ -234,8 +239,9 @@ std::uint32_t NeighbourIndex::nearest(const Entry& self, float radius, std::uint
   const glm::vec2 inside = self.position - corner;
   const float side =
       std::max(0.0f, std::min(std::min(inside.x, inside.y), cell_ - std::max(inside.x, inside.y)));
-  scan(row - 1, column - 1, column + 1);
+  // The own row first: whoever is near makes the rest quick to turn away.
   scan(row, column - 1, column + 1);
+  scan(row - 1, column - 1, column + 1);
   scan(row + 1, column - 1, column + 1);
   for (int ring = 2;; ++ring) {
     // All within this distance has been seen. A thousandth less, for what rounding does to cells.

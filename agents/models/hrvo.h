@@ -30,7 +30,7 @@ struct HrvoParameters {
   float neighbourRadius = 5.0f;      ///< metres
   std::uint32_t neighbourCount = 6;  ///< as in the thesis; cost grows with its square
   float timeHorizon = 0.0f;      ///< later collisions with agents do not count, seconds; 0: all do
-  float wallHorizon = 2.0f;      ///< the same for walls, seconds, > 0
+  float wallHorizon = 1.0f;      ///< the same for walls, seconds, > 0
   float uncertainty = 0.0f;      ///< of others' velocities, m/s: cones begin so much earlier
   float collisionWeight = 1.0f;  ///< w: metres; how much a near collision counts against a detour
   bool preferredOnly = false;

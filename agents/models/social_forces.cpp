@@ -141,10 +141,11 @@ class SocialForces final : public Model {
     const glm::vec2 position = agents.position[self];
     const glm::vec2 nearest = nearestOn(wall, position);
     // A corner is the nearest point of both its walls, and counts once: for the one that ends
-    // there.
+    // there, if that was gathered (it was not when the tick began on its far side).
     if (!wall.isCircle() && nearest == wall.from && wall.previous != kNoWall) {
-      const Wall& before = input.around.walls[wall.previous];
-      if (navmesh::turn(before.from, before.to, position) >= 0.0f) return glm::vec2(0.0f);
+      for (const NearWall& other : input.around.of(self).walls) {
+        if (other.index == wall.previous) return glm::vec2(0.0f);
+      }
     }
     const glm::vec2 between = position - nearest;
     const float distance = glm::length(between);

@@ -16,6 +16,8 @@ namespace forewalk::agents::testing {
 struct NamedModel {
   std::string name;
   std::function<std::unique_ptr<const Model>()> make;
+  int fuzzedAgentSteps =
+      2'500'000;  ///< ten million with the four of them; a slow model asks for fewer
 };
 
 /// A new model adds a line.
