@@ -36,6 +36,24 @@ class OverlapCounter {
   NeighbourIndex index_;
 };
 
+/// Counts collisions as events: a pair that was apart at the last step and is not any more.
+class CollisionCounter {
+ public:
+  /// Collisions begun since the last call; `tolerance`: share of the sum of the radii that bodies
+  /// may be in each other, since touching is none. Pairs by id, so agents may come and go.
+  /// O(agents) where they are no denser than bodies.
+  std::uint32_t count(const AgentsView& agents, float tolerance = 0.01f);
+
+ private:
+  NeighbourIndex index_;
+  std::vector<std::uint64_t> touching_, before_;  ///< ascending, the lower id in the upper half
+};
+
+/// Whether a body at `position` and `height` reaches deeper than `tolerance` metres into a wall, or
+/// its centre is inside a closed row of walls that keeps agents out. O(walls).
+bool entersWall(glm::vec2 position, float height, float radius, std::span<const Wall> walls,
+                float tolerance);
+
 /// Agents whose body reaches deeper than `tolerance` metres into a wall (wallRadius), or whose
 /// centre is inside a closed row of walls that keeps agents out. O(agents * walls).
 std::uint64_t countWallsEntered(const AgentsView& agents, std::span<const Wall> walls,

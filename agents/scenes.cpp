@@ -114,6 +114,61 @@ CrowdScene randomScene(std::uint32_t count, std::uint64_t seed) {
   return scene;
 }
 
+std::span<const CaacdSet> caacdSets() {
+  static constexpr CaacdSet kSets[] = {
+      {1.0f, 1.0f, 0.06f}, {1.0f, 0.8f, 0.06f}, {2.0f, 0.4f, 0.06f}, {1.0f, 0.4f, 0.06f},
+      {1.5f, 0.4f, 0.06f}, {2.0f, 0.4f, 0.02f}, {2.0f, 0.4f, 0.10f}, {2.0f, 0.4f, 0.20f},
+      {2.0f, 0.8f, 0.20f}, {2.0f, 1.2f, 0.20f}};
+  return kSets;
+}
+
+CrowdScene caacdScene(std::uint32_t avatars, float speed, std::uint64_t seed) {
+  constexpr std::uint32_t kObstacles = 8;
+  constexpr double kHalf = 60.0;
+  constexpr float kApart = 8.0f;
+  CrowdScene scene;
+  scene.name = "caacd " + std::to_string(avatars);
+  scene.seconds = 1.0f;
+  scene.arrivalRadius = 0.5f;
+  std::mt19937_64 rng(seed);
+  std::vector<glm::vec2> obstacles, starts, goals;
+  // A place with room to the obstacles and to the others of its kind.
+  const auto place = [&](std::vector<glm::vec2>& others) {
+    const auto hasRoom = [&](glm::vec2 at) {
+      const auto clear = [&](glm::vec2 other) { return glm::distance(at, other) >= kApart; };
+      return std::all_of(obstacles.begin(), obstacles.end(), clear) &&
+             std::all_of(others.begin(), others.end(), clear);
+    };
+    glm::vec2 at;
+    int tries = 0;
+    do {
+      const double x = navmesh::uniform(rng, -kHalf, kHalf);
+      at = glm::vec2(x, navmesh::uniform(rng, -kHalf, kHalf));
+    } while (!hasRoom(at) && ++tries < 10000);
+    others.push_back(at);
+  };
+  for (std::uint32_t i = 0; i < kObstacles; ++i) place(obstacles);
+  for (std::uint32_t i = 0; i < avatars; ++i) place(starts);
+  for (std::uint32_t i = 0; i < avatars; ++i) place(goals);
+  SceneAgent agent;
+  agent.spec.radius = 1.0f;
+  agent.spec.goalRadius = 0.5f;
+  agent.spec.preferredSpeed = agent.spec.maximumSpeed = speed;
+  for (std::uint32_t i = 0; i < avatars; ++i) {
+    agent.spec.position = starts[i];
+    agent.goal = goals[i];
+    agent.spec.heading = navmesh::headingOf(agent.goal - agent.spec.position);
+    scene.agents.push_back(agent);
+  }
+  agent.spec.flags = kStatic;
+  agent.spec.heading = 0.0f;
+  for (const glm::vec2 obstacle : obstacles) {
+    agent.spec.position = agent.goal = obstacle;
+    scene.agents.push_back(agent);
+  }
+  return scene;
+}
+
 CrowdScene mirrored(const CrowdScene& scene) {
   CrowdScene other = scene;
   other.name += " mirrored";

@@ -48,6 +48,25 @@ CrowdScene headOnScene();
 /// `count` agents at random places in a square with 4 m^2 each, with random goals in it.
 CrowdScene randomScene(std::uint32_t count, std::uint64_t seed);
 
+/// A set of parameters that CAACD was published with. Units of its world: 1 m and 1 s stand for its
+/// unit of length and its frame.
+struct CaacdSet {
+  float mass;   ///< 1.0 to 2.0
+  float speed;  ///< the largest, m/s: 0.4 to 1.2
+  float force;  ///< the largest, mass * m/s^2: 0.02 to 0.20
+};
+
+/// Ten sets over the published ranges. The three that the source names come first: the two that it
+/// found bad, then the one it found best; the other seven are one-by-one changes of that.
+std::span<const CaacdSet> caacdSets();
+
+/// The world that CAACD's collisions were counted in, as far as it was published: 120 x 120,
+/// 1000 frames, 8 obstacles. What was not, declared here: bodies and obstacles of radius 1, all at
+/// random places with 8 (the alert distance) from centre to centre, each avatar with one random
+/// target that has as much room, where it stays. Obstacles are agents with kStatic. The step is 1
+/// s.
+CrowdScene caacdScene(std::uint32_t avatars, float speed, std::uint64_t seed);
+
 /// The same scene seen in a mirror: x becomes -x. Walls and obstacles too.
 CrowdScene mirrored(const CrowdScene& scene);
 

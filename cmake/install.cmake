@@ -20,6 +20,7 @@ if(TARGET capi)
 endif()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/scenes ${PROJECT_SOURCE_DIR}/assets/scenarios
+  ${PROJECT_SOURCE_DIR}/assets/crowds
   DESTINATION ${CMAKE_INSTALL_DATADIR}/forewalk)
 
 install(EXPORT forewalk NAMESPACE forewalk:: FILE forewalkTargets.cmake

@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "navmesh/file_text.h"
+#include "rdw/json_fields.h"
 #include "rdw/json_text.h"
 #include "rdw/tracked_space_file.h"
 
@@ -22,217 +21,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::string_view kFormat = "forewalk.simulation/1";
-constexpr double kDegree = kPi / 180.0;
-constexpr double kFarthest = 1e5;  // metres
 constexpr std::size_t kMostWaypoints = 100000;
-
-/// The first thing that is wrong; what is found after it stays unsaid.
-class Problem {
- public:
-  explicit Problem(std::string file) : file_(std::move(file)) {}
-
-  void say(ErrorCode code, const std::string& sentence) {
-    if (!error_) error_ = Error{code, fmt::format("{}: {}", file_, sentence)};
-  }
-  void pass(const Error& error) { say(error.code, error.message); }
-  const std::optional<Error>& error() const { return error_; }
-
- private:
-  std::string file_;
-  std::optional<Error> error_;
-};
-
-/// Letters to change, add or drop to get from one word to the other (Levenshtein 1966).
-std::size_t lettersApart(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
-std::string suggestion(std::string_view wrong, std::span<const std::string_view> known) {
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](auto a, auto b) {
-    return lettersApart(wrong, a) < lettersApart(wrong, b);
-  });
-  if (nearest != known.end() &&
-      lettersApart(wrong, *nearest) <= std::max<std::size_t>(2, nearest->size() / 2)) {
-    return fmt::format("did you mean \"{}\"?", *nearest);
-  }
-  return fmt::format("known are: {}.", fmt::join(known, ", "));
-}
-
-/// Reads the fields of one object and knows which have been asked for.
-class Fields {
- public:
-  /// `path` is "" for the whole file, else ends in a dot.
-  Fields(const Json& object, std::string path, Problem& problem)
-      : object_(object), path_(std::move(path)), problem_(problem) {
-    if (!object_.is_object()) {
-      problem_.say(ErrorCode::kDataDamaged,
-                   fmt::format("{} has to be an object {{...}}.",
-                               path_.empty() ? "the file" : path_.substr(0, path_.size() - 1)));
-    }
-  }
-
-  /// The field, or null where it is absent. Makes the name a known one.
-  const Json* find(std::string_view name) {
-    known_.push_back(name);
-    if (!object_.is_object()) return nullptr;
-    const auto found = object_.find(std::string(name));
-    return found == object_.end() ? nullptr : &*found;
-  }
-
-  /// Reads a number in [low, high], times `scale`, where the field is present.
-  template <typename Real>
-  void number(std::string_view name, double low, double high, Real& value, double scale = 1.0) {
-    const Json* field = find(name);
-    if (field == nullptr) return;
-    if (!field->is_number()) return wrongKind(name, "a number");
-    const double read = field->get<double>();
-    if (!(read >= low && read <= high)) {
-      return problem_.say(ErrorCode::kSettingOutOfRange,
-                          fmt::format("{}{} is {:.6g}, it has to lie in [{:.6g}, {:.6g}].", path_,
-                                      name, read, low, high));
-    }
-    value = static_cast<Real>(read * scale);
-  }
-
-  template <typename Integer>
-  void integer(std::string_view name, std::uint64_t low, std::uint64_t high, Integer& value) {
-    const Json* field = find(name);
-    if (field == nullptr) return;
-    if (!field->is_number_unsigned()) return wrongKind(name, "a whole number, 0 or more");
-    const std::uint64_t read = field->get<std::uint64_t>();
-    if (read < low || read > high) {
-      return problem_.say(
-          ErrorCode::kSettingOutOfRange,
-          fmt::format("{}{} is {}, it has to lie in [{}, {}].", path_, name, read, low, high));
-    }
-    value = static_cast<Integer>(read);
-  }
-
-  void boolean(std::string_view name, bool& value) {
-    const Json* field = find(name);
-    if (field == nullptr) return;
-    if (!field->is_boolean()) return wrongKind(name, "true or false");
-    value = field->get<bool>();
-  }
-
-  void text(std::string_view name, std::string& value) {
-    const Json* field = find(name);
-    if (field == nullptr) return;
-    if (!field->is_string()) return wrongKind(name, "text in quotes");
-    value = field->get<std::string>();
-  }
-
-  /// Reads one of `words`; `value` stays where the field is absent. Index of the word.
-  void word(std::string_view name, std::span<const std::string_view> words, std::size_t& value) {
-    const Json* field = find(name);
-    if (field == nullptr) return;
-    if (!field->is_string())
-      return wrongKind(name, fmt::format("one of {}", fmt::join(words, ", ")));
-    const std::string& read = field->get_ref<const std::string&>();
-    const auto found = std::find(words.begin(), words.end(), read);
-    if (found == words.end()) {
-      return problem_.say(ErrorCode::kDataDamaged,
-                          fmt::format("{}{} is {}, which is not known; {}", path_, name,
-                                      inQuotes(read), suggestion(read, words)));
-    }
-    value = static_cast<std::size_t>(found - words.begin());
-  }
-
-  /// Reads a list of `count` finite numbers within 100 km. Whether it is present and sound.
-  bool coordinates(std::string_view name, std::size_t count, std::vector<double>& values) {
-    const Json* field = find(name);
-    return field != nullptr && coordinates(*field, fmt::format("{}{}", path_, name), count, values);
-  }
-
-  bool coordinates(const Json& list, const std::string& what, std::size_t count,
-                   std::vector<double>& values) {
-    values.clear();
-    if (list.is_array() && list.size() == count) {
-      for (const Json& value : list) {
-        if (value.is_number() && std::abs(value.get<double>()) <= kFarthest)
-          values.push_back(value.get<double>());
-      }
-    }
-    if (values.size() == count) return true;
-    problem_.say(ErrorCode::kDataDamaged,
-                 fmt::format("{} has to be {} numbers [{}], metres, within 100 km.", what, count,
-                             count == 2 ? "x, z" : "x, y, z"));
-    return false;
-  }
-
-  void wrongKind(std::string_view name, std::string_view kind) {
-    problem_.say(ErrorCode::kDataDamaged, fmt::format("{}{} has to be {}.", path_, name, kind));
-  }
-
-  const std::string& path() const { return path_; }
-  Problem& problem() { return problem_; }
-
-  /// Refuses what nobody asked for.
-  void finish() {
-    if (!object_.is_object()) return;
-    for (const auto& [key, value] : object_.items()) {
-      if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-      problem_.say(
-          ErrorCode::kDataDamaged,
-          fmt::format("{} is not known {}; {}", inQuotes(path_ + key),
-                      path_.empty() ? "in a simulation" : "here", suggestion(key, known_)));
-    }
-  }
-
- private:
-  const Json& object_;
-  std::string path_;
-  Problem& problem_;
-  std::vector<std::string_view> known_;
-};
-
-void readImport(Fields& file, navmesh::ImportSettings& import) {
-  const Json* object = file.find("import");
-  if (object == nullptr) return;
-  Fields fields(*object, "import.", file.problem());
-  fields.number("metres_per_unit", 1e-6, 1e6, import.metresPerUnit);
-  static constexpr std::string_view kAxes[] = {"y", "z"};
-  std::size_t up = import.up == navmesh::UpAxis::kY ? 0 : 1;
-  fields.word("up", kAxes, up);
-  import.up = up == 0 ? navmesh::UpAxis::kY : navmesh::UpAxis::kZ;
-  fields.finish();
-}
-
-// Ranges that the settings share are left to the builder, which knows what follows from which.
-void readBuild(Fields& file, navmesh::BuildSettings& build) {
-  const Json* object = file.find("build");
-  if (object == nullptr) return;
-  Fields fields(*object, "build.", file.problem());
-  fields.number("radius_m", 0.0, 10.0, build.radius);
-  fields.number("height_m", 0.01, 100.0, build.height);
-  fields.number("climb_m", 0.0, 10.0, build.climb);
-  fields.number("slope_deg", 0.0, 89.9, build.slope, kDegree);
-  fields.number("cell_m", 0.001, 10.0, build.cell);
-  fields.number("cell_height_m", 0.001, 10.0, build.cellHeight);
-  fields.number("region_min_m2", 0.0, 1e6, build.regionMin);
-  fields.number("region_merge_m2", 0.0, 1e6, build.regionMerge);
-  fields.number("edge_max_m", 0.0, 1e5, build.edgeMax);
-  fields.number("edge_error_m", 0.0, 100.0, build.edgeError);
-  fields.number("detail_sample_m", 0.0, 100.0, build.detailSample);
-  fields.number("detail_error_m", 0.0, 100.0, build.detailError);
-  fields.integer("corners_max", 3, 6, build.cornersMax);
-  static constexpr std::string_view kPartitions[] = {"watershed", "monotone", "layers"};
-  std::size_t partition = static_cast<std::size_t>(build.partition);
-  fields.word("partition", kPartitions, partition);
-  build.partition = static_cast<navmesh::Partition>(partition);
-  fields.number("tile_m", 0.0, 1e5, build.tile);
-  fields.finish();
-}
 
 void readSpace(Fields& file, SimulationFile& into) {
   const Json* field = file.find("space");
@@ -407,16 +196,8 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
 
   Problem problem(name);
   SimulationFile file;
-  Fields fields(*json, "", problem);
-  const Json* format = fields.find("format");
-  if (format == nullptr || !format->is_string()) {
-    problem.say(ErrorCode::kFormatUnknown,
-                fmt::format("\"format\" is missing; this reads \"{}\".", kFormat));
-  } else if (format->get_ref<const std::string&>() != kFormat) {
-    problem.say(ErrorCode::kFormatUnsupported,
-                fmt::format("\"format\" is {}; this reads \"{}\".",
-                            inQuotes(format->get_ref<const std::string&>()), kFormat));
-  }
+  Fields fields(*json, "", problem, "in a simulation");
+  requireFormat(fields, kFormat);
   SimulationConfig& simulation = file.simulation;
   SessionSettings& session = simulation.session;
   fields.text("scene", file.scene);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "agents/models/caacd.h"
 #include "agents/models/golaem.h"
 #include "agents/models/hrvo.h"
 #include "agents/models/orca.h"
@@ -27,6 +28,7 @@ inline std::vector<NamedModel> allModels() {
       {"hrvo", [] { return makeHrvo(); }},
       {"golaem", [] { return makeGolaem(); }, 300'000},
       {"social-forces", [] { return makeSocialForces(); }},
+      {"caacd", [] { return makeCaacd(); }},
   };
 }
 

@@ -85,6 +85,36 @@ std::vector<std::vector<std::string>> csvOf(const std::string& text) {
   return rows;
 }
 
+TEST_F(Cli, CrowdWalksAFileAndRefusesAWrongOne) {
+  writeTo(folder_ / "c.json",
+          R"({"format": "forewalk.crowd/1", "scene": "rooms.obj", "seconds": 60, "groups": [
+              {"count": 3, "start": {"area": [0.5, 0.5, 3, 3.5]}, "goal": {"points": [[12, 2]]}},
+              {"start": {"points": [[12, 1]]}, "goal": {"points": [[2, 2]]}, "model": "hrvo"}]})");
+  const Outcome walked =
+      run("crowd c.json --metrics m.json --trajectories t.csv --sqlite t.sqlite --plan p.svg "
+          "--animation a.svg");
+  ASSERT_EQ(walked.status, 0) << walked.err;
+  EXPECT_THAT(walked.out, HasSubstr("4 agents (0 human)"));
+  const json metrics = json::parse(contents("m.json"));
+  EXPECT_EQ(metrics.at("format"), "forewalk.crowd_metrics/1");
+  EXPECT_EQ(metrics.at("with_goal"), 4);
+  EXPECT_EQ(metrics.at("walls_entered"), 0);
+  EXPECT_THAT(contents("t.csv"), StartsWith("walker_id,t,x,z"));
+  EXPECT_THAT(contents("t.sqlite"), StartsWith("SQLite format 3"));
+  EXPECT_THAT(contents("a.svg"), HasSubstr("<animateTransform"));
+  // The same again, on two threads.
+  EXPECT_EQ(run("crowd c.json --threads 2 --metrics -").out, contents("m.json"));
+
+  writeTo(folder_ / "wrong.json",
+          R"({"format": "forewalk.crowd/1", "scene": "rooms.obj", "groups": [
+              {"name": "far", "start": {"points": [[50, 50]]}}]})");
+  expectRefusal(run("crowd wrong.json"), 1, "groups[0] \"far\"");
+  expectRefusal(run("crowd none.json"), 1, "none.json");
+  expectRefusal(run("crowd c.json --model orka"), 2, "--model");
+  expectRefusal(run("crowd c.json --diagram d.svg"), 1, "measure");
+  expectRefusal(run("crowd c.json --sqlite -"), 2, "--sqlite");
+}
+
 TEST_F(Cli, NamesItsVerbsWhereNoneIsGiven) {
   expectRefusal(run(""), 2, "build, predict, sweep, simulate");
   expectRefusal(run("fly"), 2, "fly");
