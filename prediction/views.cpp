@@ -8,7 +8,7 @@ namespace forewalk::prediction {
 Views::Views(std::uint32_t polygons, std::uint32_t windows) : ranges_(polygons) {
   const std::uint32_t reachable = std::min(polygons, windows);
   touched_.reserve(reachable);
-  views_.reserve(std::min<std::size_t>(windows, 64 + 4 * std::size_t{reachable}));
+  views_.reserve(std::min<std::size_t>(windows, 64 + 8 * std::size_t{reachable}));
 }
 
 void Views::gather(const DistanceField& field) {

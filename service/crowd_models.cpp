@@ -1,6 +1,8 @@
 #include "service/crowd_models.h"
 
+#include "agents/command_samples.h"
 #include "agents/models/caacd.h"
+#include "agents/models/golaem.h"
 #include "agents/models/hrvo.h"
 #include "agents/models/orca.h"
 #include "agents/models/social_forces.h"
@@ -75,12 +77,31 @@ ModelMaker readCaacd(Fields* fields) {
   return [p] { return agents::makeCaacd(p); };
 }
 
+ModelMaker readGolaem(Fields* fields) {
+  agents::GolaemParameters p;
+  if (fields != nullptr) {
+    fields->integer("neighbour_count", 0, 1000, p.neighbourCount);
+    fields->integer("linear_samples", 1, agents::kMostSamples, p.linearSamples);
+    fields->integer("angular_samples", 1, agents::kMostSamples, p.angularSamples);
+    fields->number("spacing", 0.0, 20.0, p.spacing);
+    fields->number("side_offset", -1.0, 1.0, p.sideOffset);
+    fields->boolean("dual", p.dual);
+    fields->number("boldness", 0.0, 1.0, p.boldness);
+    fields->number("shortest_look_s", 0.1, 60.0, p.shortestLook);
+    fields->number("longest_look_s", 0.1, 60.0, p.longestLook);
+    fields->number("period_s", 0.0, 10.0, p.period);
+    fields->boolean("literal", p.literal);
+  }
+  return [p] { return agents::makeGolaem(p); };
+}
+
 }  // namespace
 
 std::span<const RegisteredModel> registeredModels() {
   static constexpr RegisteredModel kModels[] = {{"orca", readOrca},
                                                 {"social-forces", readSocialForces},
                                                 {"hrvo", readHrvo},
+                                                {"golaem", readGolaem},
                                                 {"caacd", readCaacd}};
   return kModels;
 }

@@ -223,7 +223,7 @@ WorldReader LiveWorld::add(std::optional<prediction::PredictionLimits> limits,
   slot->method = method;
   const Lock lock(versionMutex_);
   if (limits) slot->sessionWorld = newest_.world;
-  slot->sessionStates = newest_.states;
+  if (method == prediction::Method::kFront) slot->sessionStates = newest_.states;
   slots_.push_back(slot);
   return WorldReader(std::move(slot), newest_);
 }
@@ -336,7 +336,7 @@ void LiveWorld::deliver(WorldSlot& slot) {
     }
     delivery->prepared = rdw::prepareWorld(newest_.world, *slot.limits, slot.method, frontIndex_);
     slot.sessionWorld = newest_.world;
-    slot.sessionStates = newest_.states;
+    if (byFronts) slot.sessionStates = newest_.states;
   }
   delivery->prepared.states = newest_.states;
   slot.incoming.store(delivery.release(), std::memory_order_release);
