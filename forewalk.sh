@@ -116,11 +116,11 @@ demo() {
   echo "Pictures, plots, dumps and traces are under $PWD/out"
 }
 
-test_preset() {  # test_preset PRESET DESCRIPTION [TARGET...]
+test_preset() {  # test_preset PRESET DESCRIPTION TARGET...
   begin "configuring $1 ($2)"
   configure "$1"
   begin "building $1"
-  build "$1" all "${@:3}"
+  build "$1" "${@:3}"
   begin "testing $1"
   run_tests "$1"
 }
@@ -142,13 +142,13 @@ run_all_tests() {
   fi
   # Benchmarks are built only where all is asked for, so that they do not rot.
   if [ "${1:-}" = all ]; then
-    test_preset release "optimised" benchmarks
+    test_preset release "optimised" all benchmarks
   else
-    test_preset release "optimised"
+    test_preset release "optimised" all
   fi
   if [ "${1:-}" = all ]; then
-    test_preset dev "Debug, ASan, UBSan"
-    test_preset tsan "Debug, ThreadSanitizer, the tests that start threads"
+    test_preset dev "Debug, ASan, UBSan" all
+    test_preset tsan "Debug, ThreadSanitizer, the tests that start threads" tests
   fi
   printf '\nAll tests passed.\n'
 }

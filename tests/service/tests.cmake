@@ -1,15 +1,22 @@
 # Tests of service/, one forewalk_test() a file.
+
+# forewalk_program_test(service/cli_test.cpp LIBS ...): a test that runs the forewalk program.
+function(forewalk_program_test source)
+  forewalk_test(${source} ${ARGN})
+  get_filename_component(name ${source} NAME_WE)
+  if(TARGET ${name})
+    add_dependencies(${name} forewalk)
+    target_compile_definitions(${name} PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+  endif()
+endfunction()
+
 forewalk_test(service/parallel_test.cpp LIBS forewalk::service)
 forewalk_test(service/live_world_test.cpp LIBS forewalk::service)
 forewalk_test(service/walk_animation_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
 forewalk_test(service/crowd_run_test.cpp LIBS forewalk::service SQLite::SQLite3 nlohmann_json::nlohmann_json)
 forewalk_test(service/rimea_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
-forewalk_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
-if(TARGET cli_test)
-  add_dependencies(cli_test forewalk)
-  target_compile_definitions(cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
-endif()
+forewalk_program_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 
 # The C interface.
 forewalk_test(service/capi_axes_test.cpp LIBS capi capi_axes forewalk::navmesh_build)
@@ -53,18 +60,10 @@ endif()
 # Which way will they take: fitting and judging.
 forewalk_test(service/fitting_test.cpp LIBS forewalk::service)
 forewalk_test(service/evaluation_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
-forewalk_test(service/likelihood_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
-if(TARGET likelihood_cli_test)
-  add_dependencies(likelihood_cli_test forewalk)
-  target_compile_definitions(likelihood_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
-endif()
+forewalk_program_test(service/likelihood_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 
 # How like people simulated walkers walk.
 forewalk_test(service/path_tables_test.cpp LIBS forewalk::service)
 forewalk_test(service/path_comparison_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
-forewalk_test(service/paths_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
-if(TARGET paths_cli_test)
-  add_dependencies(paths_cli_test forewalk)
-  target_compile_definitions(paths_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
-endif()
+forewalk_program_test(service/paths_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 forewalk_test(service/trajectory_picture_test.cpp LIBS forewalk::service)
