@@ -497,9 +497,14 @@ void DistanceField::seeAllFrom(PolygonId polygon) {
 
 /// Whether a path may set out from a corner to all sides.
 bool DistanceField::startsAt(std::uint32_t corner) const {
-  return corner == 0 ||
-         std::any_of(passages_.begin(), passages_.end(),
-                     [corner](const LinkPassage& passage) { return passage.exit == corner; });
+  return corner == 0 || passageTo(corner) != nullptr;
+}
+
+const LinkPassage* DistanceField::passageTo(std::uint32_t corner) const {
+  const auto at = std::lower_bound(
+      passages_.begin(), passages_.end(), corner,
+      [](const LinkPassage& passage, std::uint32_t exit) { return passage.exit < exit; });
+  return at != passages_.end() && at->exit == corner ? &*at : nullptr;
 }
 
 /// Ways by the root at hand to the exits of the links whose entries it sees in a window.

@@ -113,6 +113,9 @@ class DistanceField {
   /// the horizon falls into, by way. A link that is longer than another way to its exit is none.
   std::span<const LinkPassage> passages() const { return passages_; }
 
+  /// The link whose exit a corner is, an element of passages(); null where it is none.
+  const LinkPassage* passageTo(std::uint32_t corner) const;
+
   /// The links that were given; null: none.
   const navmesh::Links* links() const { return links_; }
 

@@ -53,6 +53,17 @@ bool equallyFarFrom(const View* const (&views)[3], double root, dvec2& place, do
   return true;
 }
 
+/// The area that a closed front runs around, followed leftwards; negative where that is still to be
+/// reached. Square metres.
+double areaWithin(std::span<const FrontPiece> loop) {
+  double twice = 0.0;
+  for (const FrontPiece& piece : loop) {
+    const dvec2 root = piece.view->root;
+    twice += cross(root, piece.to - piece.from) + glm::distance(root, piece.from) * piece.length;
+  }
+  return 0.5 * twice;
+}
+
 /// Whether three roots that see a place lie all around it.
 bool isPeak(const View* const (&views)[3], dvec2 place) {
   const dvec2 a = views[0]->root - place;
@@ -84,6 +95,8 @@ FrontSweep::FrontSweep(const NavGraph& graph, const PortalEnds& ends, const Cell
   arcs_.reserve(walls);
   fronts_.reserve(walls);
   meetings_.reserve(64);
+  seeds_.reserve(64);
+  entered_.reserve(64);
   pieces_.reserve(256);
 }
 
@@ -103,11 +116,20 @@ void FrontSweep::run(const DistanceField& field, const navmesh::Location& source
   endsOf_.clear();
   alive_.clear();
   arcOf_.assign(walls_.stretches().size(), kNone);
+  seeds_.clear();
+  entered_.assign(field.passages().size(), kNone);
   addArc(addEvent(dvec2(source.plan), source.polygon, 0.0f), {kNone, kNone});
+  seeds_.push_back({0, 0});
   listEvents();
+  const std::size_t links = 2 * field.passages().size();
   const std::size_t extremes = walls_.extremes().size();
   for (const Key key : order_) {
-    const std::uint32_t number = index(KeyQueue::polygonOf(key));
+    std::uint32_t number = index(KeyQueue::polygonOf(key));
+    if (number < links) {
+      number % 2 == 0 ? enterLink(number / 2) : leaveLink(number / 2);
+      continue;
+    }
+    number -= static_cast<std::uint32_t>(links);
     if (number >= extremes) {
       meet(meetings_[number - extremes]);
     } else if (const WallProfile::Extreme& extreme = walls_.extremes()[number]; extreme.low) {
@@ -172,6 +194,15 @@ void FrontSweep::findMeetings(PolygonId polygon) {
 void FrontSweep::listEvents() {
   order_.clear();
   std::uint32_t number = 0;
+  // Links first: a wall may stand right where one leads.
+  for (const LinkPassage& passage : field_->passages()) {
+    const std::span<const Corner> corners = field_->corners();
+    order_.push_back(KeyQueue::entryOf(corners[passage.entry].distance, PolygonId{number}));
+    if (passage.exit != kNone) {
+      order_.push_back(KeyQueue::entryOf(corners[passage.exit].distance, PolygonId{number + 1}));
+    }
+    number += 2;
+  }
   for (const WallProfile::Extreme& extreme : walls_.extremes()) {
     order_.push_back(
         KeyQueue::entryOf(walls_.samples()[extreme.sample].value, PolygonId{number++}));
@@ -229,11 +260,51 @@ std::uint32_t FrontSweep::arcOn(const FrontEnd& end, bool left) const {
   return kNone;
 }
 
-std::uint32_t FrontSweep::closedArc() const {
-  for (const std::uint32_t arc : alive_) {
-    if (endsOf_[arc].left == kNone) return arc;
+/// The arc that runs all around a corner of the field, or kNone.
+std::uint32_t FrontSweep::seedArc(std::uint32_t corner) const {
+  for (const Seed& seed : seeds_) {
+    if (seed.corner == corner) return seed.arc;
   }
   return kNone;
+}
+
+bool FrontSweep::isSeedArc(std::uint32_t arc) const {
+  return std::any_of(seeds_.begin(), seeds_.end(),
+                     [arc](const Seed& seed) { return seed.arc == arc; });
+}
+
+/// What was all around some corners is all around them as another arc, or, kNone, no more.
+void FrontSweep::reseed(std::uint32_t arc, std::uint32_t now) {
+  for (Seed& seed : seeds_) {
+    if (seed.arc == arc) seed.arc = now;
+  }
+}
+
+/// Whether a closed front runs inward.
+bool FrontSweep::hasPockets() const {
+  return std::any_of(alive_.begin(), alive_.end(), [this](std::uint32_t arc) {
+    return endsOf_[arc].left == kNone && !isSeedArc(arc);
+  });
+}
+
+/// The closed arc whose front was followed leftwards, from where `view` is nearest, all around, into
+/// `pieces_`.
+std::uint32_t FrontSweep::closedArc(const View& view) const {
+  std::uint32_t only = kNone;
+  bool several = false;
+  for (const std::uint32_t arc : alive_) {
+    if (endsOf_[arc].left != kNone) continue;
+    several = only != kNone;
+    if (several) break;
+    only = arc;
+  }
+  if (!several) return only;
+  const bool outward = areaWithin(pieces_) > 0.0;
+  if (const std::uint32_t arc = seedArc(view.corner); outward && arc != kNone) return arc;
+  for (const std::uint32_t arc : alive_) {
+    if (endsOf_[arc].left == kNone && isSeedArc(arc) == outward) return arc;
+  }
+  return only;
 }
 
 /// The arc that passes at a spot, followed one way, or where that is not clear the other.
@@ -241,10 +312,16 @@ std::uint32_t FrontSweep::arcAt(const Spot& spot, Direction direction) {
   if (alive_.empty()) return kNone;
   if (alive_.size() == 1) return alive_.front();
   if (spot.view != nullptr) {
+    if (const std::uint32_t arc = seedArc(spot.view->corner); arc != kNone && !hasPockets()) {
+      return arc;
+    }
     for (int tries = 0; tries < 2; ++tries) {
-      const FrontEnd end = trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, direction);
+      pieces_.clear();
+      const bool links = seeds_.size() > 1;
+      const FrontEnd end = trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, direction,
+                                         links ? &pieces_ : nullptr);
       const std::uint32_t arc = end.how == FrontEnd::How::kClosed
-                                    ? closedArc()
+                                    ? closedArc(*spot.view)
                                     : arcOn(end, direction == Direction::kLeftwards);
       if (arc != kNone) return arc;
       direction =
@@ -280,6 +357,54 @@ void FrontSweep::endArc(std::uint32_t arc, std::uint32_t corner) {
   alive_.pop_back();
 }
 
+/// The front comes to the entry of a link: there it goes on, and a way through the link begins.
+void FrontSweep::enterLink(std::uint32_t passage) {
+  const LinkPassage& link = field_->passages()[passage];
+  const navmesh::LinkWay& way = field_->links()->ways[link.way];
+  const float distance = field_->corners()[link.entry].distance;
+  // Several links may lead from one place, and the user may stand there.
+  std::uint32_t& event = entered_[passage];
+  if (events_.front().plan == way.entry && distance == 0.0f) event = 0;
+  for (std::uint32_t other = 0; other < entered_.size() && event == kNone; ++other) {
+    if (entered_[other] == kNone) continue;
+    const FrontEvent& at = events_[entered_[other]];
+    const bool same = at.plan == way.entry && at.polygon == way.from && at.distance == distance;
+    if (same) event = entered_[other];
+  }
+  if (event == kNone) {
+    const View* view = nearestOf(views_.of(way.from), dvec2(way.entry)).view;
+    const Spot spot = spotBefore(dvec2(way.entry), distance, way.from, view);
+    const std::uint32_t arc = arcAt(spot, Direction::kLeftwards);
+    event = addEvent(dvec2(way.entry), way.from, distance);
+    if (arc != kNone) {
+      const Ends ends = endsOf_[arc];
+      endArc(arc, field_->corners()[link.entry].previous);
+      reseed(arc, static_cast<std::uint32_t>(arcs_.size()));
+      addArc(event, ends);
+    }
+  }
+  if (link.exit == kNone) cutLink(passage);
+}
+
+/// The way through a link comes out of it.
+void FrontSweep::leaveLink(std::uint32_t passage) {
+  seeds_.push_back({field_->passages()[passage].exit, static_cast<std::uint32_t>(arcs_.size())});
+  addArc(entered_[passage], {kNone, kNone});
+}
+
+/// The horizon falls into a link that was entered: the way ends there.
+void FrontSweep::cutLink(std::uint32_t passage) {
+  const LinkPassage& link = field_->passages()[passage];
+  const navmesh::LinkWay& way = field_->links()->ways[link.way];
+  const float walked = horizon_ - field_->corners()[link.entry].distance;
+  const float share = way.length > 0.0f ? std::clamp(walked / way.length, 0.0f, 1.0f) : 0.0f;
+  const glm::vec2 place = way.entry + share * (way.exit - way.entry);
+  arcs_.push_back(
+      {entered_[passage], kNone, link.entry, static_cast<std::uint32_t>(fronts_.size())});
+  endsOf_.push_back({kNone, kNone});
+  fronts_.push_back({place, place, place, way.from, 0.0f, passage});
+}
+
 /// The front touches a wall, where the distance along it is lowest, and splits.
 void FrontSweep::touch(const WallProfile::Extreme& low) {
   const WallProfile::Sample& sample = walls_.samples()[low.sample];
@@ -296,6 +421,7 @@ void FrontSweep::touch(const WallProfile::Extreme& low) {
   const Ends ends = endsOf_[arc];
   if (ends.left == kNone) {
     // A closed front opens: the same piece, in another shape.
+    reseed(arc, kNone);
     endsOf_[arc] = {against, along};
     arcOf_[against] = arcOf_[along] = arc;
     return;
@@ -342,13 +468,17 @@ void FrontSweep::meet(const Meeting& meeting) {
   const Ends endsA = endsOf_[a];
   const Ends endsB = endsOf_[b];
   endArc(a, meeting.sides[0]->corner);
+  const std::uint32_t next = static_cast<std::uint32_t>(arcs_.size());
   if (a == b) {
+    if (endsA.left == kNone) reseed(a, next);
     addArc(event, endsA);
     addArc(event, {kNone, kNone});
     return;
   }
   endArc(b, meeting.sides[1]->corner);
   if (endsA.left == kNone || endsB.left == kNone) {
+    const bool closed = endsA.left == endsB.left;
+    for (const std::uint32_t arc : {a, b}) reseed(arc, closed ? next : kNone);
     addArc(event, endsA.left == kNone ? endsB : endsA);
     return;
   }
@@ -404,17 +534,19 @@ float FrontSweep::widthOf(std::uint32_t arc) const {
 
 // --- The horizon ---
 
-/// A place of a front at the horizon that no wall ends: on a portal, or anywhere in a polygon that
-/// it does not leave.
-bool FrontSweep::startInTheOpen(Spot& spot) const {
+/// A place of a front at the horizon that no wall ends, that of the arc: on a portal, or anywhere in
+/// a polygon that it does not leave.
+bool FrontSweep::startInTheOpen(std::uint32_t arc, Spot& spot) {
   const double level = static_cast<double>(horizon_);
   const auto isClosed = [&](PolygonId polygon, const View& view, dvec2 place) {
     if (!view.sees(place) || nearestOf(views_.of(polygon), place).distance < level - 1e-6) {
       return false;
     }
     spot = {polygon, &view, place, level};
-    return trace_.follow(polygon, view, place, level, Direction::kRightwards).how ==
-           FrontEnd::How::kClosed;
+    pieces_.clear();
+    return trace_.follow(polygon, view, place, level, Direction::kLeftwards, &pieces_).how ==
+               FrontEnd::How::kClosed &&
+           (seeds_.size() == 1 || closedArc(view) == arc);
   };
   for (const PolygonId polygon : field_->polygons()) {
     for (const View& view : views_.of(polygon)) {
@@ -521,7 +653,7 @@ void FrontSweep::endAtHorizon() {
   for (const std::uint32_t arc : alive_) {
     Spot spot;
     const bool closed = endsOf_[arc].left == kNone;
-    if (closed ? startInTheOpen(spot) : spotOnWall(endsOf_[arc].left, horizon_, spot)) {
+    if (closed ? startInTheOpen(arc, spot) : spotOnWall(endsOf_[arc].left, horizon_, spot)) {
       addFront(arc, spot);
     } else if (closed) {
       shrink(arc);

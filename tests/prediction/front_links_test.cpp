@@ -1,0 +1,251 @@
+// Graphs by fronts through links: lifts, ladders, teleports.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <tuple>
+#include <vector>
+
+#include "navmesh/plan.h"
+#include "navmesh/random.h"
+#include "navmesh/world.h"
+#include "prediction/front_graph.h"
+#include "tests/support/count_allocations.h"
+#include "tests/support/map_mesh.h"
+#include "tests/support/random_mesh.h"
+#include "tests/support/random_start.h"
+#include "tests/support/visibility.h"
+
+namespace forewalk::prediction {
+namespace {
+
+using navmesh::Link;
+using navmesh::LinkId;
+using navmesh::Links;
+using navmesh::LinkWay;
+using navmesh::Location;
+using navmesh::NavGraph;
+using navmesh::PolygonMesh;
+using navmesh::PolygonStates;
+using testing::Cutting;
+
+navmesh::World worldOf(const PolygonMesh& mesh) {
+  auto graph = navmesh::makeNavGraph(mesh);
+  if (!graph) throw std::runtime_error(graph.error().message);
+  return navmesh::makeWorld(std::move(*graph));
+}
+
+PolygonStates statesOf(const navmesh::World& world, const std::vector<Link>& links) {
+  auto made = navmesh::makeLinks(world.graph, world.locations, links);
+  if (!made) throw std::runtime_error(made.error().message);
+  PolygonStates states;
+  navmesh::setLinks(world.graph, std::move(*made), states);
+  return states;
+}
+
+/// A floor and its links, and graphs by fronts on it.
+struct Linked {
+  explicit Linked(const PolygonMesh& mesh, const std::vector<Link>& links = {})
+      : world(worldOf(mesh)) {
+    set(links);
+  }
+  Linked(const Linked&) = delete;
+
+  void set(const std::vector<Link>& links) { set(statesOf(world, links)); }
+  void set(PolygonStates to) {
+    scratch.reset();
+    states = std::move(to);
+    index = makeFrontIndex(world.graph, &states);
+    scratch = std::make_unique<FrontScratch>(world.graph, index);
+  }
+
+  Location at(glm::vec3 place) const {
+    return *navmesh::locate(world.graph, world.locations, place, navmesh::kLinkSnap);
+  }
+  const PredictionGraph& from(const Location& source, float horizon, float persistence = 0.75f) {
+    return predictFronts(world.graph, source, horizon, *scratch, {persistence});
+  }
+  const DistanceField& distances() const { return scratch->distances(); }
+
+  navmesh::World world;
+  PolygonStates states;
+  FrontIndex index;
+  std::unique_ptr<FrontScratch> scratch;
+};
+
+/// Holes, triangles, merged polygons.
+PolygonMesh meshOf(std::uint64_t seed, int columns = 9, int rows = 8) {
+  testing::RandomMeshOptions options;
+  options.holeShare = 0.05 * static_cast<double>(seed % 6);
+  options.mergeShare = 0.1 * static_cast<double>(seed % 9);
+  options.splitShare = 0.15 * static_cast<double>(seed % 5);
+  options.jitter = seed % 3 == 0 ? 0.0 : 0.2;
+  return testing::randomMesh(seed, columns, rows, options);
+}
+
+/// `count` links between places of the ground.
+std::vector<Link> randomLinks(const navmesh::World& world, int count, std::uint64_t seed,
+                              float longest) {
+  std::mt19937_64 rng(seed);
+  const auto places = testing::randomStarts(world.graph, 2 * count, seed + 1000);
+  std::vector<Link> links;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(2 * i);
+    links.push_back({LinkId{static_cast<std::uint32_t>(i)}, places[k].position(),
+                     places[k + 1].position(),
+                     static_cast<float>(navmesh::uniform(rng, 0.0, longest)),
+                     navmesh::uniformInt(rng, 2) == 0, true});
+  }
+  return links;
+}
+
+// --- Distances ---
+
+/// Shortest lengths from `source` to `places`, by every order in which links may be used: a plain
+/// search over their ends, with exact walks between.
+std::vector<float> shortestByLinks(const testing::VisibilityGraph& walks, const Links& links,
+                                   const testing::PlanPlace& source,
+                                   const std::vector<testing::PlanPlace>& places) {
+  std::vector<testing::PlanPlace> entries;
+  for (const LinkWay& way : links.ways) entries.push_back({way.from, way.entry});
+  std::vector<float> atEntry = walks.shortest(source, entries);
+  std::vector<std::vector<float>> between;
+  for (const LinkWay& way : links.ways) {
+    between.push_back(walks.shortest({way.to, way.exit}, entries));
+  }
+  for (std::size_t round = 0; round < links.ways.size(); ++round) {
+    for (std::size_t i = 0; i < links.ways.size(); ++i) {
+      for (std::size_t j = 0; j < links.ways.size(); ++j) {
+        atEntry[j] = std::min(atEntry[j], atEntry[i] + links.ways[i].length + between[i][j]);
+      }
+    }
+  }
+  std::vector<float> lengths = walks.shortest(source, places);
+  for (std::size_t i = 0; i < links.ways.size(); ++i) {
+    const auto beyond = walks.shortest({links.ways[i].to, links.ways[i].exit}, places);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      lengths[k] = std::min(lengths[k], atEntry[i] + links.ways[i].length + beyond[k]);
+    }
+  }
+  return lengths;
+}
+
+TEST(FrontLinks, ShortenDistancesAsEveryWayOfUsingThemDoes) {
+  std::size_t compared = 0, shorter = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Linked linked(meshOf(seed));
+    const NavGraph& graph = linked.world.graph;
+    linked.set(randomLinks(linked.world, 1 + static_cast<int>(seed % 7), seed, 3.0f));
+    const testing::VisibilityGraph walks(graph);
+    std::vector<testing::PlanPlace> places;
+    for (const Location& place : testing::randomStarts(graph, 60, seed + 7)) {
+      places.push_back({place.polygon, place.plan});
+    }
+    DistanceField walked(graph, linked.index.ends);
+    for (const Location& source : testing::randomStarts(graph, 4, seed)) {
+      const float horizon = 4.0f + static_cast<float>(seed % 3);
+      linked.from(source, horizon);
+      walked.run(source, horizon);
+      const auto expected =
+          shortestByLinks(walks, linked.states.links, {source.polygon, source.plan}, places);
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        const float found = linked.distances().distanceAt(places[k].polygon, places[k].plan);
+        if (expected[k] < horizon - 1e-3f) {
+          ASSERT_NEAR(found, expected[k], 2e-4f) << "seed " << seed;
+          ++compared;
+          shorter += walked.distanceAt(places[k].polygon, places[k].plan) > found + 0.01f ? 1 : 0;
+        } else {
+          ASSERT_GE(found, horizon - 2e-3f);
+        }
+      }
+    }
+  }
+  EXPECT_GT(compared, 3000u);
+  EXPECT_GT(shorter, 500u);
+}
+
+// --- Ways ---
+
+using Seen = std::tuple<float, float, float, int, int, bool>;  // distance, place, kind, reason
+
+std::vector<Seen> seenIn(const PredictionGraph& graph, float addedDistance = 0.0f) {
+  std::vector<Seen> seen;
+  for (const Node& node : graph.nodes) {
+    if (node.kind == NodeKind::kSource) continue;
+    seen.emplace_back(node.distance + addedDistance, node.plan.x, node.plan.y,
+                      static_cast<int>(node.kind), static_cast<int>(node.reason), node.branch);
+  }
+  std::sort(seen.begin(), seen.end());
+  return seen;
+}
+
+void expectSame(const std::vector<Seen>& a, const std::vector<Seen>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  std::vector<bool> taken(b.size(), false);
+  for (const auto& one : a) {
+    bool found = false;
+    for (std::size_t i = 0; i < b.size() && !found; ++i) {
+      if (taken[i] || std::get<3>(one) != std::get<3>(b[i]) ||
+          std::get<4>(one) != std::get<4>(b[i]) || std::get<5>(one) != std::get<5>(b[i]) ||
+          std::abs(std::get<0>(one) - std::get<0>(b[i])) > 2e-3f ||
+          std::abs(std::get<1>(one) - std::get<1>(b[i])) > 2e-2f ||
+          std::abs(std::get<2>(one) - std::get<2>(b[i])) > 2e-2f) {
+        continue;
+      }
+      taken[i] = found = true;
+    }
+    ASSERT_TRUE(found) << "a node of kind " << std::get<3>(one) << " at " << std::get<0>(one)
+                       << " m, (" << std::get<1>(one) << ", " << std::get<2>(one) << ")";
+  }
+}
+
+/// From an entry a link leads to what is seen from its exit, with the horizon as much shorter as the
+/// link is long: in another room nothing else comes there.
+TEST(FrontLinks, ShowTheRoomBeyondAsFromTheirExit) {
+  std::size_t nodes = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const PolygonMesh here = meshOf(seed), there = meshOf(seed + 50);
+    const float length = 0.4f * static_cast<float>(seed % 7);
+    Linked linked(testing::together(here, there, {3.0f, 4.0f, 1.0f}));
+    Linked alone(here), beyond(there);
+    const auto places = testing::randomStarts(alone.world.graph, 4, seed);
+    const auto exits = testing::randomStarts(beyond.world.graph, 4, seed + 1);
+    const auto herePolygons = alone.world.graph.polygonCount();
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      for (const bool back : {false, true}) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed << " place " << i << " back " << back);
+        const glm::vec3 entry = places[i].position();
+        const glm::vec3 exit = exits[i].position() + glm::vec3(3.0f, 4.0f, 1.0f);
+        // The way back of one that leads from there to here is as good, and a way back is none.
+        linked.set({Link{LinkId{5}, back ? exit : entry, back ? entry : exit, length, back, true}});
+        const Location source = linked.at(entry);
+        for (const float horizon : {3.0f, 6.0f}) {
+          for (const float persistence : {0.0f, 0.75f}) {
+            auto found = seenIn(linked.from(source, horizon, persistence));
+            auto expected = seenIn(alone.from(alone.at(entry), horizon, persistence));
+            auto theirs =
+                seenIn(beyond.from(beyond.at(exits[i].position()), horizon - length, persistence),
+                       length);
+            nodes += theirs.size();
+            for (auto& [d, x, y, kind, reason, branch] : theirs) {
+              x += 3.0f;
+              y -= 1.0f;
+            }
+            expected.insert(expected.end(), theirs.begin(), theirs.end());
+            std::sort(expected.begin(), expected.end());
+            expectSame(found, expected);
+            if (HasFatalFailure()) return;
+          }
+        }
+      }
+    }
+    ASSERT_GT(herePolygons, 0u);
+  }
+  EXPECT_GT(nodes, 5000u);
+}
+
+}  // namespace
+}  // namespace forewalk::prediction
