@@ -19,6 +19,10 @@ namespace {
 /// was measured does not show.
 constexpr double kBefore = 2e-5;
 
+/// A piece of the front that is about to end is shorter than this then, metres; one that is about
+/// to close around a pillar, and the place that it set out from, is longer.
+constexpr double kLastPiece = 0.25;
+
 double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// One of the two places that are equally far by three roots (the problem of Apollonius), and how
@@ -119,7 +123,7 @@ void FrontSweep::run(const DistanceField& field, const navmesh::Location& source
   seeds_.clear();
   entered_.assign(field.passages().size(), kNone);
   addArc(addEvent(dvec2(source.plan), source.polygon, 0.0f), {kNone, kNone});
-  seeds_.push_back({0, 0});
+  seeds_.push_back({0, 0, false});
   listEvents();
   const std::size_t links = 2 * field.passages().size();
   const std::size_t extremes = walls_.extremes().size();
@@ -260,12 +264,14 @@ std::uint32_t FrontSweep::arcOn(const FrontEnd& end, bool left) const {
   return kNone;
 }
 
-/// The arc that runs all around a corner of the field, or kNone.
-std::uint32_t FrontSweep::seedArc(std::uint32_t corner) const {
-  for (const Seed& seed : seeds_) {
-    if (seed.corner == corner) return seed.arc;
+/// The seed, by number, that the shortest path to a corner of the field sets out from at last.
+std::uint32_t FrontSweep::seedOf(std::uint32_t corner) const {
+  while (corner != 0 && field_->passageTo(corner) == nullptr) {
+    corner = field_->corners()[corner].previous;
   }
-  return kNone;
+  std::uint32_t seed = 0;
+  while (seed + 1 < seeds_.size() && seeds_[seed].corner != corner) ++seed;
+  return seed;
 }
 
 bool FrontSweep::isSeedArc(std::uint32_t arc) const {
@@ -276,7 +282,9 @@ bool FrontSweep::isSeedArc(std::uint32_t arc) const {
 /// What was all around some corners is all around them as another arc, or, kNone, no more.
 void FrontSweep::reseed(std::uint32_t arc, std::uint32_t now) {
   for (Seed& seed : seeds_) {
-    if (seed.arc == arc) seed.arc = now;
+    if (seed.arc != arc) continue;
+    seed.arc = now;
+    seed.opened = seed.opened || now == kNone;
   }
 }
 
@@ -287,9 +295,8 @@ bool FrontSweep::hasPockets() const {
   });
 }
 
-/// The closed arc whose front was followed leftwards, from where `view` is nearest, all around, into
-/// `pieces_`.
-std::uint32_t FrontSweep::closedArc(const View& view) const {
+/// The arc of the closed front that passes at a spot.
+std::uint32_t FrontSweep::closedArc(const Spot& spot) {
   std::uint32_t only = kNone;
   bool several = false;
   for (const std::uint32_t arc : alive_) {
@@ -299,8 +306,12 @@ std::uint32_t FrontSweep::closedArc(const View& view) const {
     only = arc;
   }
   if (!several) return only;
+  pieces_.clear();
+  trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, Direction::kLeftwards, &pieces_);
   const bool outward = areaWithin(pieces_) > 0.0;
-  if (const std::uint32_t arc = seedArc(view.corner); outward && arc != kNone) return arc;
+  if (const std::uint32_t arc = seeds_[seedOf(spot.view->corner)].arc; outward && arc != kNone) {
+    return arc;
+  }
   for (const std::uint32_t arc : alive_) {
     if (endsOf_[arc].left == kNone && isSeedArc(arc) == outward) return arc;
   }
@@ -312,16 +323,13 @@ std::uint32_t FrontSweep::arcAt(const Spot& spot, Direction direction) {
   if (alive_.empty()) return kNone;
   if (alive_.size() == 1) return alive_.front();
   if (spot.view != nullptr) {
-    if (const std::uint32_t arc = seedArc(spot.view->corner); arc != kNone && !hasPockets()) {
-      return arc;
-    }
+    // Right where a front sets out it is too small to be followed.
+    const Seed& seed = seeds_[seedOf(spot.view->corner)];
+    if (!seed.opened && seed.arc != kNone && !hasPockets()) return seed.arc;
     for (int tries = 0; tries < 2; ++tries) {
-      pieces_.clear();
-      const bool links = seeds_.size() > 1;
-      const FrontEnd end = trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, direction,
-                                         links ? &pieces_ : nullptr);
+      const FrontEnd end = trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, direction);
       const std::uint32_t arc = end.how == FrontEnd::How::kClosed
-                                    ? closedArc(*spot.view)
+                                    ? closedArc(spot)
                                     : arcOn(end, direction == Direction::kLeftwards);
       if (arc != kNone) return arc;
       direction =
@@ -388,7 +396,8 @@ void FrontSweep::enterLink(std::uint32_t passage) {
 
 /// The way through a link comes out of it.
 void FrontSweep::leaveLink(std::uint32_t passage) {
-  seeds_.push_back({field_->passages()[passage].exit, static_cast<std::uint32_t>(arcs_.size())});
+  seeds_.push_back(
+      {field_->passages()[passage].exit, static_cast<std::uint32_t>(arcs_.size()), false});
   addArc(entered_[passage], {kNone, kNone});
 }
 
@@ -432,6 +441,17 @@ void FrontSweep::touch(const WallProfile::Extreme& low) {
   addArc(event, {ends.left, along});
 }
 
+/// Whether an arc whose two ends run into each other, at a spot just before, goes all around what
+/// was reached, a pillar's back last: it goes on, closed. Else nothing of it is left.
+bool FrontSweep::closesAround(const Spot& spot) {
+  if (spot.view == nullptr) return false;
+  pieces_.clear();
+  trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, Direction::kLeftwards, &pieces_);
+  double length = 0.0;
+  for (const FrontPiece& piece : pieces_) length += piece.length;
+  return length > kLastPiece && glm::distance(pieces_.back().to, spot.at) < 0.1 * kLastPiece;
+}
+
 /// Two ends of the front run into each other, where the distance along a wall is highest.
 void FrontSweep::close(const WallProfile::Extreme& high) {
   const WallProfile::Sample& sample = walls_.samples()[high.sample];
@@ -443,6 +463,11 @@ void FrontSweep::close(const WallProfile::Extreme& high) {
   arcOf_[along] = arcOf_[sample.stretch] = kNone;
   if (first == kNone || second == kNone) return;
   const Spot before = spotAt(sample, false);
+  if (first == second && closesAround(before)) {
+    endsOf_[first] = {kNone, kNone};
+    seeds_[seedOf(before.view->corner)].arc = first;
+    return;
+  }
   const std::uint32_t event = addEvent(walls_.placeOf(sample), before.polygon, sample.value);
   const auto cornerOf = [](const Spot& spot) {
     return spot.view != nullptr ? spot.view->corner : 0;
@@ -543,10 +568,9 @@ bool FrontSweep::startInTheOpen(std::uint32_t arc, Spot& spot) {
       return false;
     }
     spot = {polygon, &view, place, level};
-    pieces_.clear();
-    return trace_.follow(polygon, view, place, level, Direction::kLeftwards, &pieces_).how ==
+    return trace_.follow(polygon, view, place, level, Direction::kRightwards).how ==
                FrontEnd::How::kClosed &&
-           (seeds_.size() == 1 || closedArc(view) == arc);
+           closedArc(spot) == arc;
   };
   for (const PolygonId polygon : field_->polygons()) {
     for (const View& view : views_.of(polygon)) {

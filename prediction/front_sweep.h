@@ -108,7 +108,8 @@ class FrontSweep {
   /// A front that sets out to all sides: from the source, or from where a link leads.
   struct Seed {
     std::uint32_t corner;  // of the field, where it does
-    std::uint32_t arc;     // the closed one about it, or kNone: it ends on walls by now
+    std::uint32_t arc;     // the closed one all around it, or kNone: it ends on walls by now
+    bool opened;           // it has ended on walls
   };
   void findMeetings(PolygonId polygon);
   void listEvents();
@@ -116,8 +117,8 @@ class FrontSweep {
   Spot spotAt(const WallProfile::Sample& sample, bool after) const;
   std::uint32_t arcAt(const Spot& spot, Direction direction);
   std::uint32_t arcOn(const FrontEnd& end, bool left) const;
-  std::uint32_t closedArc(const View& view) const;
-  std::uint32_t seedArc(std::uint32_t corner) const;
+  std::uint32_t closedArc(const Spot& spot);
+  std::uint32_t seedOf(std::uint32_t corner) const;
   bool isSeedArc(std::uint32_t arc) const;
   bool hasPockets() const;
   void reseed(std::uint32_t arc, std::uint32_t now);
@@ -129,6 +130,7 @@ class FrontSweep {
   void leaveLink(std::uint32_t passage);
   void cutLink(std::uint32_t passage);
   void touch(const WallProfile::Extreme& low);
+  bool closesAround(const Spot& spot);
   void close(const WallProfile::Extreme& high);
   void meet(const Meeting& meeting);
 

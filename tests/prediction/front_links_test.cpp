@@ -237,6 +237,11 @@ TEST(FrontLinks, ShowTheRoomBeyondAsFromTheirExit) {
             expected.insert(expected.end(), theirs.begin(), theirs.end());
             std::sort(expected.begin(), expected.end());
             expectSame(found, expected);
+ if (HasFatalFailure()) { for (auto* v : {&found,&expected}) { for (auto& [d,x,y,k,r,b]: *v) std::printf("%.4f (%.3f %.3f) kind %d reason %d br %d\n", (double)d,(double)x,(double)y,k,r,b); std::puts("--"); }
+             auto dump=[&](const PredictionGraph& g){ for (auto& n: g.nodes) std::printf("  %.5f (%.3f %.3f) kind %d reason %d prev %d\n",(double)n.distance,(double)n.plan.x,(double)n.plan.y,(int)n.kind,(int)n.reason,(int)navmesh::index(PolygonId{(unsigned)n.prev})); };
+             dump(linked.from(source,horizon,persistence)); std::puts("-"); dump(alone.from(alone.at(entry), horizon, persistence)); std::puts("-"); dump(beyond.from(beyond.at(exits[i].position()), horizon - length, persistence));
+             std::printf("h %g p %g L %g entry %g %g exit %g %g\n",(double)horizon,(double)persistence,(double)length,(double)entry.x,(double)-entry.z,(double)exit.x,(double)-exit.z); }
+            expectSame(found, expected);
             if (HasFatalFailure()) return;
           }
         }
