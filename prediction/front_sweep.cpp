@@ -295,27 +295,32 @@ bool FrontSweep::hasPockets() const {
   });
 }
 
-/// The arc of the closed front that passes at a spot.
+/// The arc of the closed front that passes at a spot, or kNone.
 std::uint32_t FrontSweep::closedArc(const Spot& spot) {
-  std::uint32_t only = kNone;
-  bool several = false;
+  const std::uint32_t own = seeds_[seedOf(spot.view->corner)].arc;
+  // Before it has touched a wall, nothing but its own seed is behind a front.
+  const auto fits = [&](std::uint32_t arc) {
+    const auto isFresh = [arc](const Seed& seed) { return seed.arc == arc && !seed.opened; };
+    return endsOf_[arc].left == kNone &&
+           (arc == own || std::none_of(seeds_.begin(), seeds_.end(), isFresh));
+  };
+  std::uint32_t found = kNone;
+  bool outward = false, followed = false;
   for (const std::uint32_t arc : alive_) {
-    if (endsOf_[arc].left != kNone) continue;
-    several = only != kNone;
-    if (several) break;
-    only = arc;
+    if (!fits(arc)) continue;
+    if (found == kNone) {
+      found = arc;
+      continue;
+    }
+    if (!followed) {
+      pieces_.clear();
+      trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, Direction::kLeftwards, &pieces_);
+      outward = areaWithin(pieces_) > 0.0;
+      followed = true;
+    }
+    if (outward ? arc == own : !isSeedArc(arc) && isSeedArc(found)) found = arc;
   }
-  if (!several) return only;
-  pieces_.clear();
-  trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, Direction::kLeftwards, &pieces_);
-  const bool outward = areaWithin(pieces_) > 0.0;
-  if (const std::uint32_t arc = seeds_[seedOf(spot.view->corner)].arc; outward && arc != kNone) {
-    return arc;
-  }
-  for (const std::uint32_t arc : alive_) {
-    if (endsOf_[arc].left == kNone && isSeedArc(arc) == outward) return arc;
-  }
-  return only;
+  return found;
 }
 
 /// The arc that passes at a spot, followed one way, or where that is not clear the other.
@@ -590,7 +595,10 @@ bool FrontSweep::startInTheOpen(std::uint32_t arc, Spot& spot) {
         for (const double side : {-1.0, 1.0}) {
           const double along = glm::dot(ray, line.along) + side * std::sqrt(half);
           if (along < 0.0 || along > line.length) continue;
-          if (isClosed(polygon, view, line.from + along * line.along)) return true;
+          const dvec2 place = line.from + along * line.along;
+          // Where the front, followed rightwards, comes into the polygon.
+          if (glm::dot(corner.along, view.root - place) <= 0.0) continue;
+          if (isClosed(polygon, view, place)) return true;
         }
       }
     }

@@ -237,11 +237,6 @@ TEST(FrontLinks, ShowTheRoomBeyondAsFromTheirExit) {
             expected.insert(expected.end(), theirs.begin(), theirs.end());
             std::sort(expected.begin(), expected.end());
             expectSame(found, expected);
- if (HasFatalFailure()) { for (auto* v : {&found,&expected}) { for (auto& [d,x,y,k,r,b]: *v) std::printf("%.4f (%.3f %.3f) kind %d reason %d br %d\n", (double)d,(double)x,(double)y,k,r,b); std::puts("--"); }
-             auto dump=[&](const PredictionGraph& g){ for (auto& n: g.nodes) std::printf("  %.5f (%.3f %.3f) kind %d reason %d prev %d\n",(double)n.distance,(double)n.plan.x,(double)n.plan.y,(int)n.kind,(int)n.reason,(int)navmesh::index(PolygonId{(unsigned)n.prev})); };
-             dump(linked.from(source,horizon,persistence)); std::puts("-"); dump(alone.from(alone.at(entry), horizon, persistence)); std::puts("-"); dump(beyond.from(beyond.at(exits[i].position()), horizon - length, persistence));
-             std::printf("h %g p %g L %g entry %g %g exit %g %g\n",(double)horizon,(double)persistence,(double)length,(double)entry.x,(double)-entry.z,(double)exit.x,(double)-exit.z); }
-            expectSame(found, expected);
             if (HasFatalFailure()) return;
           }
         }
@@ -250,6 +245,197 @@ TEST(FrontLinks, ShowTheRoomBeyondAsFromTheirExit) {
     ASSERT_GT(herePolygons, 0u);
   }
   EXPECT_GT(nodes, 5000u);
+}
+
+
+/// What any graph by fronts with links must be.
+void expectSound(Linked& linked, const PredictionGraph& graph) {
+  const Links& links = linked.states.links;
+  const auto known = [&](LinkId id, auto fits) {
+    return std::any_of(links.ways.begin(), links.ways.end(),
+                       [&](const LinkWay& way) { return way.link == id && fits(way); });
+  };
+  for (const Node& node : graph.nodes) {
+    ASSERT_LE(node.distance, graph.horizon);
+    // Each corner is as much farther than the one before as one walks, or as the link between.
+    float walked = node.distance;
+    glm::vec2 at = node.plan;
+    for (std::uint32_t c = node.corner;; c = graph.corners[c].previous) {
+      const Corner& corner = graph.corners[c];
+      const float leg = walked - corner.distance;
+      const bool floor = std::abs(glm::distance(at, corner.plan) - leg) < 5e-3f;
+      const bool link = std::any_of(links.ways.begin(), links.ways.end(), [&](const LinkWay& way) {
+        return way.entry == corner.plan &&
+               (way.exit == at ? std::abs(way.length - leg) < 1e-4f : leg <= way.length);
+      });
+      ASSERT_TRUE(floor || link) << "from " << corner.distance << " m to " << walked << " m";
+      walked = corner.distance;
+      at = corner.plan;
+      if (c == 0) break;
+    }
+  }
+  std::vector<std::uint32_t> portals;
+  std::vector<glm::vec3> lifted;
+  for (const Edge& edge : graph.edges) {
+    ASSERT_NEAR(graph.node(edge.from).distance - graph.node(edge.to).distance, edge.length, 1e-3f);
+    const auto path = graph.pathOf(edge);
+    const auto steps = graph.linkStepsOf(edge);
+    float length = 0.0f;
+    std::size_t next = 0;
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      if (next == steps.size() || steps[next].point != i) {
+        length += glm::distance(path[i], path[i + 1]);
+        continue;
+      }
+      const LinkStep& step = steps[next++];
+      ASSERT_FALSE(step.forward);
+      const bool cut = step.polygons == 0;
+      ASSERT_TRUE(known(step.link, [&](const LinkWay& way) {
+        if (way.entry != path[i + 1]) return false;
+        return cut ? step.length <= way.length + 1e-4f
+                   : way.exit == path[i] && std::abs(step.length - way.length) < 1e-4f;
+      }));
+      ASSERT_TRUE(!cut || i == 0);
+      length += step.length;
+    }
+    ASSERT_EQ(next, steps.size());
+    ASSERT_NEAR(length, edge.length, 1e-2f);
+    liftEdge(linked.world.graph, graph, edge, portals, lifted);
+    ASSERT_GE(lifted.size(), edge.pathCount);
+    ASSERT_EQ(navmesh::toPlan(lifted.front()), path.front());
+    ASSERT_EQ(navmesh::toPlan(lifted.back()), path.back());
+    ASSERT_NEAR(lifted.front().y, graph.node(edge.from).height, 2e-2f);
+  }
+  for (std::uint32_t i = 1; i < graph.nodes.size(); ++i) ASSERT_LT(index(graph.nodes[i].prev), i);
+  ASSERT_EQ(graph.fronts.size(), graph.terminals.size());
+}
+
+TEST(FrontLinks, GiveSoundGraphsWhereverTheyLead) {
+  std::size_t steps = 0, cuts = 0, joins = 0, inARow = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Linked linked(testing::together(meshOf(seed), meshOf(seed + 9), {2.3f, 3.0f, 1.1f}));
+    linked.set(randomLinks(linked.world, 1 + static_cast<int>(seed % 9), seed, 4.0f));
+    for (const Location& start : testing::randomStarts(linked.world.graph, 8, seed)) {
+      for (const float horizon : {0.0f, 1.7f, 4.0f, 9.0f, 25.0f}) {
+        for (const float persistence : {0.0f, 0.75f}) {
+          SCOPED_TRACE(::testing::Message() << "seed " << seed << " horizon " << horizon);
+          const PredictionGraph& graph = linked.from(start, horizon, persistence);
+          expectSound(linked, graph);
+          if (HasFatalFailure()) return;
+          for (const LinkStep& step : graph.linkSteps) {
+            ++steps;
+            cuts += step.polygons == 0;
+          }
+          for (const NodeId terminal : graph.terminals) {
+            std::size_t taken = 0;
+            for (NodeId at = terminal; at != NodeId{0}; at = graph.node(at).prev) {
+              taken += graph.linkStepsOf(graph.treeEdge(at)).size();
+            }
+            inARow += taken > 1;
+          }
+          for (const Node& node : graph.nodes) {
+            joins += node.kind == NodeKind::kJoin;
+            ASSERT_TRUE(node.reason == TerminalReason::kHorizon ? node.distance == horizon : true);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(steps, 2000u);
+  EXPECT_GT(cuts, 100u);
+  EXPECT_GT(joins, 500u);
+  EXPECT_GT(inARow, 20u);
+}
+
+// --- What links change, and what they do not ---
+
+TEST(FrontLinks, ThatAreLongerThanWalkingAreNotThere) {
+  std::size_t compared = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Linked linked(meshOf(seed)), plain(meshOf(seed));
+    // Longer than any way on this floor; where none leads on foot, they do.
+    std::vector<Link> links = randomLinks(linked.world, 8, seed, 1.0f);
+    links.erase(std::remove_if(links.begin(), links.end(),
+                               [&](const Link& link) {
+                                 const auto component = [&](glm::vec3 place) {
+                                   return linked.world.graph
+                                       .component[navmesh::index(linked.at(place).polygon)];
+                                 };
+                                 return component(link.entry) != component(link.exit);
+                               }),
+                links.end());
+    for (Link& link : links) link.length += 60.0f;
+    linked.set(links);
+    for (const Location& start : testing::randomStarts(linked.world.graph, 5, seed)) {
+      const float horizon = 70.0f;
+      EXPECT_EQ(hashOf(linked.from(start, horizon)), hashOf(plain.from(start, horizon)));
+      compared += linked.states.links.ways.size();
+    }
+  }
+  EXPECT_GT(compared, 200u);
+}
+
+TEST(FrontLinks, GiveTheSameGraphInWhateverOrderTheyCome) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Linked linked(meshOf(seed)), permuted(meshOf(seed));
+    std::vector<Link> links = randomLinks(linked.world, 10, seed, 3.0f);
+    linked.set(links);
+    std::reverse(links.begin(), links.end());
+    std::rotate(links.begin(), links.begin() + 3, links.end());
+    permuted.set(links);
+    for (const Location& start : testing::randomStarts(linked.world.graph, 10, seed)) {
+      EXPECT_EQ(hashOf(linked.from(start, 8.0f)), hashOf(permuted.from(start, 8.0f)));
+    }
+  }
+}
+
+TEST(FrontLinks, ToOrFromClosedGroundAreNotThere) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Linked linked(meshOf(seed)), without(meshOf(seed));
+    const std::vector<Link> links = randomLinks(linked.world, 6, seed, 2.0f);
+    for (const bool entries : {false, true}) {
+      PolygonStates states = statesOf(linked.world, links);
+      for (const LinkWay& way : states.links.ways) {
+        if (way.link == LinkId{0}) continue;  // one stays
+        const PolygonId shut = entries ? way.from : way.to;
+        ASSERT_TRUE(navmesh::setCost(linked.world.graph, std::vector{shut}, navmesh::kClosed,
+                                     states));
+      }
+      PolygonStates expected = states;
+      Links kept = statesOf(linked.world, {links[0]}).links;
+      for (const LinkWay& way : kept.ways) {
+        if (states.isClosed(way.from) || states.isClosed(way.to)) kept = {};
+        if (kept.empty()) break;
+      }
+      navmesh::setLinks(linked.world.graph, kept, expected);
+      linked.set(states);
+      without.set(expected);
+      EXPECT_EQ(linked.index.links, kept);
+      for (const Location& start : testing::randomStarts(linked.world.graph, 10, seed)) {
+        EXPECT_EQ(hashOf(linked.from(start, 8.0f)), hashOf(without.from(start, 8.0f)));
+      }
+    }
+  }
+}
+
+TEST(FrontLinks, AllocateNothingAfterTheFirstFrames) {
+  Linked linked(testing::randomMesh(2, 20, 20));
+  linked.set(randomLinks(linked.world, 12, 5, 2.0f));
+  const auto starts = testing::randomStarts(linked.world.graph, 150, 2);
+  const auto frames = [&](std::size_t from, std::size_t to) {
+    std::size_t steps = 0;
+    for (const float horizon : {1.0f, 5.0f, 15.0f}) {
+      for (std::size_t i = from; i < to; ++i) {
+        steps += linked.from(starts[i], horizon).linkSteps.size();
+      }
+    }
+    return steps;
+  };
+  frames(0, 30);
+  testing::allocationsSince();
+  const std::size_t steps = frames(30, starts.size());
+  EXPECT_EQ(testing::allocationsSince(), 0u);
+  EXPECT_GT(steps, 200u);
 }
 
 }  // namespace
