@@ -68,6 +68,21 @@ double areaWithin(std::span<const FrontPiece> loop) {
   return 0.5 * twice;
 }
 
+/// The point with the largest x of a piece that was followed rightwards.
+dvec2 rightmostOf(const FrontPiece& piece) {
+  const dvec2 root = piece.view->root;
+  const dvec2 start = piece.from - root;
+  const double radius = glm::length(start);
+  const auto turnTo = [&](dvec2 ray) {  // rises from 0 to 4 on the way around
+    const double cosine = glm::dot(start, ray) / (radius * radius);
+    return cross(start, ray) <= 0.0 ? 1.0 - cosine : 3.0 + cosine;
+  };
+  const dvec2 outmost(radius, 0.0);
+  const bool whole = piece.from == piece.to;
+  if (whole || turnTo(outmost) <= turnTo(piece.to - root)) return root + outmost;
+  return piece.from.x > piece.to.x ? piece.from : piece.to;
+}
+
 /// Whether three roots that see a place lie all around it.
 bool isPeak(const View* const (&views)[3], dvec2 place) {
   const dvec2 a = views[0]->root - place;
@@ -616,7 +631,17 @@ void FrontSweep::addFront(std::uint32_t arc, const Spot& spot) {
   HorizonFront front{glm::vec2(spot.at), glm::vec2(spot.at), glm::vec2(spot.at), spot.polygon,
                      static_cast<float>(length)};
   arcs_[arc].corner = spot.view->corner;
-  if (!pieces_.empty() && end.how != FrontEnd::How::kClosed) {
+  if (end.how == FrontEnd::How::kClosed) {
+    // No place on it is its middle: the one with the largest x, wherever it was found.
+    for (const FrontPiece& piece : pieces_) {
+      for (const dvec2 place : {piece.from, rightmostOf(piece)}) {
+        if (!(glm::vec2(place).x > front.crossing.x)) continue;
+        front.from = front.to = front.crossing = glm::vec2(place);
+        front.polygon = piece.polygon;
+        arcs_[arc].corner = piece.view->corner;
+      }
+    }
+  } else if (!pieces_.empty()) {
     front.to = glm::vec2(pieces_.back().to);
     double before = 0.0;
     for (const FrontPiece& piece : pieces_) {
