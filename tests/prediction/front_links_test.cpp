@@ -6,6 +6,9 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <set>
+#include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -13,6 +16,7 @@
 #include "navmesh/random.h"
 #include "navmesh/world.h"
 #include "prediction/front_graph.h"
+#include "prediction/likelihood.h"
 #include "tests/support/count_allocations.h"
 #include "tests/support/map_mesh.h"
 #include "tests/support/random_mesh.h"
@@ -436,6 +440,238 @@ TEST(FrontLinks, AllocateNothingAfterTheFirstFrames) {
   const std::size_t steps = frames(30, starts.size());
   EXPECT_EQ(testing::allocationsSince(), 0u);
   EXPECT_GT(steps, 200u);
+}
+
+// --- Known answers ---
+
+struct Ways {
+  std::size_t horizon = 0, deadEnds = 0, meetings = 0, branches = 0, joins = 0, links = 0;
+
+  bool operator==(const Ways&) const = default;
+};
+
+std::ostream& operator<<(std::ostream& out, const Ways& ways) {
+  return out << ways.horizon << " to the horizon, " << ways.deadEnds << " dead ends, "
+             << ways.meetings << " meetings, " << ways.branches << " branches, " << ways.joins
+             << " joins, " << ways.links << " times through a link";
+}
+
+Ways waysOf(const PredictionGraph& graph) {
+  Ways ways;
+  for (const Node& node : graph.nodes) {
+    ways.horizon += node.reason == TerminalReason::kHorizon;
+    ways.deadEnds += node.reason == TerminalReason::kDeadEnd;
+    ways.meetings += node.reason == TerminalReason::kMeeting;
+    ways.branches += node.branch;
+    ways.joins += node.kind == NodeKind::kJoin;
+  }
+  ways.links = graph.linkSteps.size();
+  return ways;
+}
+
+/// A floor whose ways are known by looking at it, and a link from `a` to `b`. `@` is the user.
+struct KnownScene {
+  const char* name;
+  std::vector<std::string> rows;  // 0.5 m a character
+  float length;                   // of the link
+  float horizon;
+  Ways ways;
+};
+
+std::vector<KnownScene> knownScenes() {
+  const auto hall = [] {
+    std::vector<std::string> rows(32, std::string(44, '.'));
+    rows[16][15] = '@';
+    rows[16][21] = 'a';
+    rows[16][31] = 'b';
+    return rows;
+  };
+  return {
+      {"a lift at the end of a corridor",
+       {"........................", "...........@...........a", "                        ",
+        "....................b...", "........................"},
+       1.0f,
+       10.0f,
+       {.horizon = 1, .deadEnds = 2, .branches = 2, .links = 1}},
+      {"a lift beside a corridor",
+       {"........................", "...........@...a........", "                        ",
+        "........................", "b......................."},
+       1.0f,
+       8.0f,
+       {.horizon = 1, .deadEnds = 2, .branches = 2, .links = 1}},
+      {"a teleport along a corridor: the two fronts come together",
+       {"..............................", "@.....a.................b....."},
+       0.5f,
+       20.0f,
+       {.deadEnds = 1, .meetings = 2, .branches = 2, .links = 1}},
+      {"a teleport across a hall, not yet come upon on foot", hall(), 1.0f, 5.5f,
+       {.horizon = 2, .branches = 1, .links = 1}},
+      {"a teleport across a hall, come upon on foot", hall(), 1.0f, 7.0f,
+       {.horizon = 1, .branches = 1, .joins = 1, .links = 1}},
+      {"a teleport that is slower than walking", hall(), 5.5f, 7.0f, {.horizon = 1}},
+      {"a teleport that takes longer than the horizon reaches", hall(), 4.0f, 6.0f,
+       {.horizon = 2, .branches = 1, .links = 1}},
+  };
+}
+
+TEST(FrontLinks, ShowTheWaysThatAPersonSeesHoweverTheFloorIsCut) {
+  for (const KnownScene& scene : knownScenes()) {
+    const std::vector<std::string_view> rows(scene.rows.begin(), scene.rows.end());
+    // Not quite in the middle, so that no two walls are equally far.
+    const auto at = [&](char mark) {
+      return navmesh::toSpace(testing::markIn(rows, 0.5f, mark) + glm::vec2(0.03f, 0.017f), 0.0f);
+    };
+    for (const Cutting cutting : testing::kCuttings) {
+      Linked linked(testing::mapMesh(rows, 0.5f, cutting));
+      linked.set({Link{LinkId{1}, at('a'), at('b'), scene.length, true, true}});
+      const PredictionGraph& graph = linked.from(linked.at(at('@')), scene.horizon);
+      EXPECT_EQ(waysOf(graph), scene.ways)
+          << scene.name << ", cutting " << static_cast<int>(cutting);
+      expectSound(linked, graph);
+    }
+  }
+}
+
+TEST(FrontLinks, LeadAcrossAFloorOfOnePolygon) {
+  const std::vector<float> hall{15.0f};
+  Linked linked(testing::corridorMesh(hall));
+  ASSERT_EQ(linked.world.graph.polygonCount(), 1u);
+  linked.set({Link{LinkId{1}, {3.0f, 0.0f, -0.4f}, {12.0f, 0.0f, -0.4f}, 0.5f, false, true}});
+  const PredictionGraph& graph = linked.from(linked.at({0.3f, 0.0f, -0.45f}), 20.0f);
+  EXPECT_EQ(waysOf(graph),
+            (Ways{.deadEnds = 1, .meetings = 2, .branches = 2, .joins = 0, .links = 1}));
+  // They meet where both have come equally far.
+  for (const Node& node : graph.nodes) {
+    if (node.reason != TerminalReason::kMeeting) continue;
+    EXPECT_NEAR(node.plan.x, 7.6f, 0.1f);
+    EXPECT_NEAR(node.distance, 7.5f, 0.2f);
+  }
+}
+
+/// Two squares, a storey apart, one above the other, and a lift between their middles.
+TEST(FrontLinks, TakePeopleToAnotherStorey) {
+  const PolygonMesh square = testing::gridMesh(1, 1, 4.0f);
+  Linked linked(testing::together(square, square, {0.0f, 3.0f, 0.0f}));
+  const glm::vec3 below{2.0f, 0.0f, -3.0f}, above{2.0f, 3.0f, -3.0f};
+  linked.set({Link{LinkId{4}, below, above, 6.0f, true, true}});
+  const Location start{PolygonId{0}, {2.0f, 1.0f}, 0.0f, false};
+  // Cut on the way up: the lift is the only way to the horizon.
+  const PredictionGraph& inside = linked.from(start, 6.0f);
+  std::vector<NodeId> upward;
+  for (const NodeId terminal : inside.terminals) {
+    if (inside.node(terminal).reason == TerminalReason::kHorizon) upward.push_back(terminal);
+  }
+  ASSERT_EQ(upward.size(), 1u);
+  EXPECT_EQ(inside.node(upward[0]).position(), glm::vec3(2.0f, 2.0f, -3.0f));
+  EXPECT_EQ(inside.node(upward[0]).polygon, PolygonId{0});
+  EXPECT_EQ(inside.node(upward[0]).distance, 6.0f);
+  std::vector<glm::vec3> way;
+  wayTo(inside, upward[0], way);
+  EXPECT_EQ(way, (std::vector<glm::vec3>{{2, 0, -1}, below, {2, 2, -3}}));
+  // Above.
+  const PredictionGraph& graph = linked.from(start, 10.5f);
+  const auto there = std::find_if(graph.terminals.begin(), graph.terminals.end(), [&](NodeId id) {
+    return graph.node(id).polygon == PolygonId{1} &&
+           graph.node(id).reason == TerminalReason::kHorizon;
+  });
+  ASSERT_NE(there, graph.terminals.end());
+  EXPECT_EQ(graph.node(*there).height, 3.0f);
+  wayTo(graph, *there, way);
+  ASSERT_EQ(way.size(), 4u);
+  EXPECT_EQ(way[1], below);
+  EXPECT_EQ(way[2], above);
+  EXPECT_EQ(pointAlong(graph, *there, 5.0f).height, 1.5f) << "half-way up";
+  std::vector<std::uint32_t> portals;
+  std::vector<glm::vec3> lifted;
+  for (const Edge& edge : graph.edges) {
+    if (graph.linkStepsOf(edge).empty()) continue;
+    liftEdge(linked.world.graph, graph, edge, portals, lifted);
+    ASSERT_GE(lifted.size(), 3u);
+    EXPECT_EQ(lifted[lifted.size() - 2], above);
+    EXPECT_EQ(lifted.back(), below);
+  }
+}
+
+TEST(FrontLinks, FromOnePlaceToManyPartThere) {
+  const PolygonMesh room = testing::gridMesh(3, 3, 2.0f);
+  PolygonMesh house = room;
+  std::vector<Link> links;
+  for (std::uint32_t storey = 1; storey <= 3; ++storey) {
+    const float up = 3.0f * static_cast<float>(storey);
+    house = testing::together(house, room, {0.0f, up, 0.0f});
+    links.push_back({LinkId{storey}, {5.0f, 0.0f, -3.1f}, {5.0f, up, -3.1f}, up, true, true});
+  }
+  Linked linked(house, links);
+  const Location start = linked.at({0.5f, 0.0f, -3.0f});
+  const PredictionGraph& graph = linked.from(start, 30.0f);
+  // One place where all three leave; each storey is seen as from its landing.
+  std::set<std::uint32_t> leaves;
+  for (const LinkStep& step : graph.linkSteps) {
+    leaves.insert(index(graph.edges[step.edge].to));
+    EXPECT_FLOAT_EQ(step.length, 3.0f * static_cast<float>(navmesh::index(step.link)));
+  }
+  EXPECT_EQ(graph.linkSteps.size(), 3u);
+  EXPECT_EQ(leaves.size(), 1u);
+  expectSound(linked, graph);
+}
+
+// --- Names and likelihoods ---
+
+TEST(FrontLinks, KeepTheNamesOfTheWaysBehindThem) {
+  // Two corridors and a lift; on the way to it the ways beyond come nearer, and are the same after.
+  const std::vector<std::string_view> rows{
+      "........................", ".......@...............a", "                        ",
+      "...........b............", "........................"};
+  const auto at = [&](char mark) {
+    return navmesh::toSpace(testing::markIn(rows, 0.5f, mark) + glm::vec2(0.03f, 0.017f), 0.0f);
+  };
+  Linked linked(testing::mapMesh(rows, 0.5f, Cutting::kSquares));
+  linked.set({Link{LinkId{1}, at('a'), at('b'), 0.5f, true, true}});
+  WayLikelihood likelihood;
+  const auto frame = [&](glm::vec3 place, double seconds) {
+    const Location here = linked.at(place);
+    const PredictionGraph& graph = linked.from(here, 12.0f);
+    Evidence evidence;
+    evidence.time = seconds;
+    evidence.position = glm::dvec2(here.plan);
+    likelihood.update(graph, evidence);
+    double sum = likelihood.none();
+    for (const double p : likelihood.probabilities()) {
+      EXPECT_GE(p, 0.0);
+      sum += p;
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-9);
+    return &graph;
+  };
+  std::vector<WayId> behind;  // names of the ways through the lift, as they are first seen
+  const auto waysBehind = [&](const PredictionGraph& graph) {
+    std::vector<WayId> ids;
+    for (const TrackedWay& way : likelihood.ways()) {
+      if (graph.node(way.terminal).plan.y < 1.2f) ids.push_back(way.id);
+    }
+    std::sort(ids.begin(), ids.end());
+    return ids;
+  };
+  const glm::vec3 from = at('@'), to = at('a');
+  double seconds = 0.0;
+  double first = 0.0, last = 0.0;  // probability of going through the lift
+  for (int i = 0; i <= 80; ++i) {
+    const PredictionGraph& graph =
+        *frame(glm::mix(from, to, static_cast<float>(i) / 81.0f), seconds += 0.1);
+    const auto now = waysBehind(graph);
+    if (i == 0) behind = now;
+    ASSERT_EQ(now, behind) << i;
+    double p = 0.0;
+    for (std::size_t w = 0; w < likelihood.ways().size(); ++w) {
+      if (graph.node(likelihood.ways()[w].terminal).plan.y < 1.2f) {
+        p += likelihood.probabilities()[w];
+      }
+    }
+    (i == 0 ? first : last) = p;
+  }
+  EXPECT_EQ(behind.size(), 2u);
+  EXPECT_GT(last, first) << "who walks to the lift is likelier to take it";
+  EXPECT_EQ(waysBehind(*frame(at('b'), seconds + 0.5)), behind) << "out of the lift";
 }
 
 }  // namespace
