@@ -479,11 +479,11 @@ struct KnownScene {
 };
 
 std::vector<KnownScene> knownScenes() {
-  const auto hall = [] {
+  const auto hall = [](std::size_t exit = 31) {
     std::vector<std::string> rows(32, std::string(44, '.'));
     rows[16][15] = '@';
     rows[16][21] = 'a';
-    rows[16][31] = 'b';
+    rows[16][exit] = 'b';
     return rows;
   };
   return {
@@ -508,7 +508,7 @@ std::vector<KnownScene> knownScenes() {
        {.horizon = 2, .branches = 1, .links = 1}},
       {"a teleport across a hall, come upon on foot", hall(), 1.0f, 7.0f,
        {.horizon = 1, .branches = 1, .joins = 1, .links = 1}},
-      {"a teleport that is slower than walking", hall(), 5.5f, 7.0f, {.horizon = 1}},
+      {"a teleport that is slower than walking", hall(27), 3.5f, 7.0f, {.horizon = 1}},
       {"a teleport that takes longer than the horizon reaches", hall(), 4.0f, 6.0f,
        {.horizon = 2, .branches = 1, .links = 1}},
   };
@@ -543,8 +543,8 @@ TEST(FrontLinks, LeadAcrossAFloorOfOnePolygon) {
   // They meet where both have come equally far.
   for (const Node& node : graph.nodes) {
     if (node.reason != TerminalReason::kMeeting) continue;
-    EXPECT_NEAR(node.plan.x, 7.6f, 0.1f);
-    EXPECT_NEAR(node.distance, 7.5f, 0.2f);
+    EXPECT_NEAR(node.plan.x, 7.75f, 0.02f);
+    EXPECT_NEAR(node.distance, 7.45f, 0.02f);
   }
 }
 
@@ -627,51 +627,55 @@ TEST(FrontLinks, KeepTheNamesOfTheWaysBehindThem) {
   };
   Linked linked(testing::mapMesh(rows, 0.5f, Cutting::kSquares));
   linked.set({Link{LinkId{1}, at('a'), at('b'), 0.5f, true, true}});
-  WayLikelihood likelihood;
-  const auto frame = [&](glm::vec3 place, double seconds) {
-    const Location here = linked.at(place);
-    const PredictionGraph& graph = linked.from(here, 12.0f);
-    Evidence evidence;
-    evidence.time = seconds;
-    evidence.position = glm::dvec2(here.plan);
-    likelihood.update(graph, evidence);
+  const auto isBehind = [](const PredictionGraph& graph, const TrackedWay& way) {
+    return graph.node(way.terminal).plan.y < 1.2f;
+  };
+  const auto frame = [&](WayLikelihood& likelihood, glm::vec3 place) -> const PredictionGraph& {
+    const PredictionGraph& graph = linked.from(linked.at(place), 12.0f);
+    likelihood.update(graph, {0.1, {}, {}});
     double sum = likelihood.none();
     for (const double p : likelihood.probabilities()) {
       EXPECT_GE(p, 0.0);
       sum += p;
     }
     EXPECT_NEAR(sum, 1.0, 1e-9);
-    return &graph;
+    return graph;
   };
-  std::vector<WayId> behind;  // names of the ways through the lift, as they are first seen
-  const auto waysBehind = [&](const PredictionGraph& graph) {
-    std::vector<WayId> ids;
+  const auto namesBehind = [&](const WayLikelihood& likelihood, const PredictionGraph& graph) {
+    std::vector<WayId> names;
     for (const TrackedWay& way : likelihood.ways()) {
-      if (graph.node(way.terminal).plan.y < 1.2f) ids.push_back(way.id);
+      if (isBehind(graph, way)) names.push_back(way.id);
     }
-    std::sort(ids.begin(), ids.end());
-    return ids;
+    std::sort(names.begin(), names.end());
+    return names;
   };
-  const glm::vec3 from = at('@'), to = at('a');
-  double seconds = 0.0;
-  double first = 0.0, last = 0.0;  // probability of going through the lift
-  for (int i = 0; i <= 80; ++i) {
-    const PredictionGraph& graph =
-        *frame(glm::mix(from, to, static_cast<float>(i) / 81.0f), seconds += 0.1);
-    const auto now = waysBehind(graph);
-    if (i == 0) behind = now;
-    ASSERT_EQ(now, behind) << i;
-    double p = 0.0;
+  const auto likelihoodBehind = [&](const WayLikelihood& likelihood, const PredictionGraph& graph) {
+    double sum = 0.0;
     for (std::size_t w = 0; w < likelihood.ways().size(); ++w) {
-      if (graph.node(likelihood.ways()[w].terminal).plan.y < 1.2f) {
-        p += likelihood.probabilities()[w];
-      }
+      if (isBehind(graph, likelihood.ways()[w])) sum += likelihood.probabilities()[w];
     }
-    (i == 0 ? first : last) = p;
+    return sum;
+  };
+  constexpr int kFrames = 80;  // of 0.1 s
+  WayLikelihood likelihood;
+  const glm::vec3 step = (at('a') - at('@')) / static_cast<float>(kFrames + 1);
+  std::vector<WayId> behind;
+  double halfway = 0.0;
+  for (int i = 0; i <= kFrames; ++i) {
+    const PredictionGraph& graph = frame(likelihood, at('@') + static_cast<float>(i) * step);
+    if (i == 0) behind = namesBehind(likelihood, graph);
+    ASSERT_EQ(namesBehind(likelihood, graph), behind) << i;
+    if (i == kFrames / 2) halfway = likelihoodBehind(likelihood, graph);
   }
   EXPECT_EQ(behind.size(), 2u);
-  EXPECT_GT(last, first) << "who walks to the lift is likelier to take it";
-  EXPECT_EQ(waysBehind(*frame(at('b'), seconds + 0.5)), behind) << "out of the lift";
+  EXPECT_EQ(namesBehind(likelihood, frame(likelihood, at('b'))), behind) << "out of the lift";
+
+  WayLikelihood away;  // who goes the other way is not about to take it
+  for (int i = kFrames; i > kFrames / 2; --i) {
+    frame(away, at('@') + static_cast<float>(i) * step);
+  }
+  const PredictionGraph& graph = frame(away, at('@') + static_cast<float>(kFrames / 2) * step);
+  EXPECT_LT(likelihoodBehind(away, graph) + 0.3, halfway);
 }
 
 }  // namespace
