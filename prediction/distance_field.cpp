@@ -442,8 +442,7 @@ void DistanceField::spread(std::uint32_t begin) {
   }
 }
 
-void DistanceField::addRoot(glm::vec2 plan, float height, double distance,
-                            std::uint32_t previous) {
+void DistanceField::addRoot(glm::vec2 plan, float height, double distance, std::uint32_t previous) {
   root_ = dvec2(plan);
   rootDistance_ = distance;
   rootCorner_ = static_cast<std::uint32_t>(corners_.size());

@@ -335,8 +335,8 @@ class FrontAssembly {
     return node;
   }
 
-  /// An edge along the shortest path to `from` by `corner`, back to the distance of `to`. `cut`: the
-  /// link that `from` lies in.
+  /// An edge along the shortest path to `from` by `corner`, back to the distance of `to`. `cut`:
+  /// the link that `from` lies in.
   void addPathEdge(NodeId from, NodeId to, std::uint32_t corner, EdgeKind kind, float width,
                    const LinkPassage* cut = nullptr) {
     const Node& node = out_.node(from);
@@ -377,7 +377,8 @@ class FrontAssembly {
     edge.pathCount = static_cast<std::uint32_t>(out_.pathPoints.size()) - edge.pathStart;
   }
 
-  /// Whether `corner`, no farther than `to`, lies behind it nevertheless: behind links of no length.
+  /// Whether `corner`, no farther than `to`, lies behind it nevertheless: behind links of no
+  /// length.
   bool beginsWithLink(std::uint32_t corner, const Node& to) const {
     for (; corner != 0 && out_.corners[corner].distance == to.distance;
          corner = out_.corners[corner].previous) {

@@ -38,9 +38,9 @@ struct FrontIndex {
   CellMesh cells;                                 ///< likewise
 };
 
-/// For `graph` where `states` of it (null: none) say what is closed and where links lead. What costs
-/// more is as good as any ground here: fronts know of metres only. O(n log n) in the half-portals:
-/// some 0.5 ms for 1,000 polygons.
+/// For `graph` where `states` of it (null: none) say what is closed and where links lead. What
+/// costs more is as good as any ground here: fronts know of metres only. O(n log n) in the
+/// half-portals: some 0.5 ms for 1,000 polygons.
 FrontIndex makeFrontIndex(const navmesh::NavGraph& graph,
                           const navmesh::PolygonStates* states = nullptr);
 
@@ -85,10 +85,9 @@ class FrontScratch {
 /// The graph around `source` (from navmesh::locate) out to `horizon` metres (>= 0, finite).
 ///
 /// Somebody who stands on what is closed is taken to be at the nearest portal that leads from there
-/// to what is open; links do not. Never fails: an invalid source polygon, or a closed one from where none does,
-/// gives a graph of the source alone with kSourceOffMesh; if
-/// the window limit is reached, `completeTo` says how far the graph is right, and kPolygonLimit is
-/// set.
+/// to what is open; links do not. Never fails: an invalid source polygon, or a closed one from
+/// where none does, gives a graph of the source alone with kSourceOffMesh; if the window limit is
+/// reached, `completeTo` says how far the graph is right, and kPolygonLimit is set.
 ///
 /// The result belongs to `scratch` and lives until its next prediction. Costs O(n log n) in what
 /// lies within the horizon; allocates only while buffers grow to the largest graph seen.

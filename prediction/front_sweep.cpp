@@ -579,8 +579,8 @@ float FrontSweep::widthOf(std::uint32_t arc) const {
 
 // --- The horizon ---
 
-/// A place of a front at the horizon that no wall ends, that of the arc: on a portal, or anywhere in
-/// a polygon that it does not leave.
+/// A place of a front at the horizon that no wall ends, that of the arc: on a portal, or anywhere
+/// in a polygon that it does not leave.
 bool FrontSweep::startInTheOpen(std::uint32_t arc, Spot& spot) {
   const double level = static_cast<double>(horizon_);
   const auto isClosed = [&](PolygonId polygon, const View& view, dvec2 place) {

@@ -50,10 +50,10 @@ struct FrontArc {
 
 /// A piece of the front at the horizon.
 struct HorizonFront {
-  glm::vec2 from, to;  ///< its ends, on walls; equal where it is closed
-  glm::vec2 crossing;  ///< its middle
-  PolygonId polygon;   ///< holds the middle
-  float length;        ///< metres
+  glm::vec2 from, to;          ///< its ends, on walls; equal where it is closed
+  glm::vec2 crossing;          ///< its middle
+  PolygonId polygon;           ///< holds the middle
+  float length;                ///< metres
   std::uint32_t link = kNone;  ///< the passage (DistanceField) that the horizon falls into, where
                                ///< the way is cut on its straight line; kNone: it is on the floor
 };

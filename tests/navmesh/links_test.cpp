@@ -104,8 +104,8 @@ TEST(Links, AreLeftOutWhereTheirGroundHasGone) {
   std::vector<LinkId> groundless;
   const Link off = link(3, {40, 0, 0}, {1.5f, 0, -0.5f}, 1);
   const Link offToo = link(2, {1.5f, 0, -0.5f}, {1.5f, 9, -0.5f}, 1);
-  const auto links = makeLinks(world.graph, world.locations, std::vector<Link>{off, kLift, offToo},
-                               &groundless);
+  const auto links =
+      makeLinks(world.graph, world.locations, std::vector<Link>{off, kLift, offToo}, &groundless);
   ASSERT_TRUE(links);
   EXPECT_EQ(*links, made(world, {kLift}));
   EXPECT_THAT(groundless, ElementsAre(LinkId{2}, LinkId{3}));

@@ -139,17 +139,17 @@ std::vector<float> shortestByLinks(const testing::VisibilityGraph& walks, const 
 
 TEST(FrontLinks, ShortenDistancesAsEveryWayOfUsingThemDoes) {
   std::size_t compared = 0, shorter = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 14; ++seed) {
     Linked linked(meshOf(seed));
     const NavGraph& graph = linked.world.graph;
     linked.set(randomLinks(linked.world, 1 + static_cast<int>(seed % 7), seed, 3.0f));
     const testing::VisibilityGraph walks(graph);
     std::vector<testing::PlanPlace> places;
-    for (const Location& place : testing::randomStarts(graph, 60, seed + 7)) {
+    for (const Location& place : testing::randomStarts(graph, 40, seed + 7)) {
       places.push_back({place.polygon, place.plan});
     }
     DistanceField walked(graph, linked.index.ends);
-    for (const Location& source : testing::randomStarts(graph, 4, seed)) {
+    for (const Location& source : testing::randomStarts(graph, 3, seed)) {
       const float horizon = 4.0f + static_cast<float>(seed % 3);
       linked.from(source, horizon);
       walked.run(source, horizon);
@@ -167,8 +167,8 @@ TEST(FrontLinks, ShortenDistancesAsEveryWayOfUsingThemDoes) {
       }
     }
   }
-  EXPECT_GT(compared, 3000u);
-  EXPECT_GT(shorter, 500u);
+  EXPECT_GT(compared, 700u);
+  EXPECT_GT(shorter, 100u);
 }
 
 // --- Ways ---
@@ -206,8 +206,8 @@ void expectSame(const std::vector<Seen>& a, const std::vector<Seen>& b) {
   }
 }
 
-/// From an entry a link leads to what is seen from its exit, with the horizon as much shorter as the
-/// link is long: in another room nothing else comes there.
+/// From an entry a link leads to what is seen from its exit, with the horizon as much shorter as
+/// the link is long: in another room nothing else comes there.
 TEST(FrontLinks, ShowTheRoomBeyondAsFromTheirExit) {
   std::size_t nodes = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
@@ -230,9 +230,8 @@ TEST(FrontLinks, ShowTheRoomBeyondAsFromTheirExit) {
           for (const float persistence : {0.0f, 0.75f}) {
             auto found = seenIn(linked.from(source, horizon, persistence));
             auto expected = seenIn(alone.from(alone.at(entry), horizon, persistence));
-            auto theirs =
-                seenIn(beyond.from(beyond.at(exits[i].position()), horizon - length, persistence),
-                       length);
+            auto theirs = seenIn(
+                beyond.from(beyond.at(exits[i].position()), horizon - length, persistence), length);
             nodes += theirs.size();
             for (auto& [d, x, y, kind, reason, branch] : theirs) {
               x += 3.0f;
@@ -250,7 +249,6 @@ TEST(FrontLinks, ShowTheRoomBeyondAsFromTheirExit) {
   }
   EXPECT_GT(nodes, 5000u);
 }
-
 
 /// What any graph by fronts with links must be.
 void expectSound(Linked& linked, const PredictionGraph& graph) {
@@ -359,15 +357,16 @@ TEST(FrontLinks, ThatAreLongerThanWalkingAreNotThere) {
     Linked linked(meshOf(seed)), plain(meshOf(seed));
     // Longer than any way on this floor; where none leads on foot, they do.
     std::vector<Link> links = randomLinks(linked.world, 8, seed, 1.0f);
-    links.erase(std::remove_if(links.begin(), links.end(),
-                               [&](const Link& link) {
-                                 const auto component = [&](glm::vec3 place) {
-                                   return linked.world.graph
-                                       .component[navmesh::index(linked.at(place).polygon)];
-                                 };
-                                 return component(link.entry) != component(link.exit);
-                               }),
-                links.end());
+    links.erase(
+        std::remove_if(
+            links.begin(), links.end(),
+            [&](const Link& link) {
+              const auto component = [&](glm::vec3 place) {
+                return linked.world.graph.component[navmesh::index(linked.at(place).polygon)];
+              };
+              return component(link.entry) != component(link.exit);
+            }),
+        links.end());
     for (Link& link : links) link.length += 60.0f;
     linked.set(links);
     for (const Location& start : testing::randomStarts(linked.world.graph, 5, seed)) {
@@ -402,8 +401,8 @@ TEST(FrontLinks, ToOrFromClosedGroundAreNotThere) {
       for (const LinkWay& way : states.links.ways) {
         if (way.link == LinkId{0}) continue;  // one stays
         const PolygonId shut = entries ? way.from : way.to;
-        ASSERT_TRUE(navmesh::setCost(linked.world.graph, std::vector{shut}, navmesh::kClosed,
-                                     states));
+        ASSERT_TRUE(
+            navmesh::setCost(linked.world.graph, std::vector{shut}, navmesh::kClosed, states));
       }
       PolygonStates expected = states;
       Links kept = statesOf(linked.world, {links[0]}).links;
@@ -504,12 +503,21 @@ std::vector<KnownScene> knownScenes() {
        0.5f,
        20.0f,
        {.deadEnds = 1, .meetings = 2, .branches = 2, .links = 1}},
-      {"a teleport across a hall, not yet come upon on foot", hall(), 1.0f, 5.5f,
+      {"a teleport across a hall, not yet come upon on foot",
+       hall(),
+       1.0f,
+       5.5f,
        {.horizon = 2, .branches = 1, .links = 1}},
-      {"a teleport across a hall, come upon on foot", hall(), 1.0f, 7.0f,
+      {"a teleport across a hall, come upon on foot",
+       hall(),
+       1.0f,
+       7.0f,
        {.horizon = 1, .branches = 1, .joins = 1, .links = 1}},
       {"a teleport that is slower than walking", hall(27), 3.5f, 7.0f, {.horizon = 1}},
-      {"a teleport that takes longer than the horizon reaches", hall(), 4.0f, 6.0f,
+      {"a teleport that takes longer than the horizon reaches",
+       hall(),
+       4.0f,
+       6.0f,
        {.horizon = 2, .branches = 1, .links = 1}},
   };
 }
@@ -619,9 +627,9 @@ TEST(FrontLinks, FromOnePlaceToManyPartThere) {
 
 TEST(FrontLinks, KeepTheNamesOfTheWaysBehindThem) {
   // Two corridors and a lift; on the way to it the ways beyond come nearer, and are the same after.
-  const std::vector<std::string_view> rows{
-      "........................", ".......@...............a", "                        ",
-      "...........b............", "........................"};
+  const std::vector<std::string_view> rows{"........................", ".......@...............a",
+                                           "                        ", "...........b............",
+                                           "........................"};
   const auto at = [&](char mark) {
     return navmesh::toSpace(testing::markIn(rows, 0.5f, mark) + glm::vec2(0.03f, 0.017f), 0.0f);
   };
