@@ -277,6 +277,37 @@ TEST_F(Cli, PredictsInEveryFormat) {
   EXPECT_THAT(contents("sub/plan.svg"), HasSubstr("</svg>"));
 }
 
+TEST_F(Cli, LeadsThroughLinksByBothMethods) {
+  // Two floors of 4 x 4 m with 6 m between them.
+  writeTo(folder_ / "islands.obj",
+          "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 4 3 2 1\n"
+          "v 10 0 0\nv 14 0 0\nv 14 0 4\nv 10 0 4\nf 8 7 6 5\n");
+  writeTo(folder_ / "links.json",
+          R"({"format": "forewalk.links/1", "links": [{"id": 7, "entry": [3, 0, 2],
+              "exit": [12, 0, 2], "length": 2.5}]})");
+  for (const std::string method : {"polygon", "front"}) {
+    const Outcome outcome =
+        run("predict islands.obj --at 1,0,1 --horizon 20 --links links.json --method " + method);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json graph = json::parse(outcome.out);
+    std::size_t through = 0;
+    for (const json& edge : graph["edges"]) {
+      if (!edge.contains("links")) continue;
+      ++through;
+      EXPECT_EQ(edge["links"][0]["id"], 7);
+      EXPECT_EQ(edge["links"][0]["length"], 2.5);
+      EXPECT_NEAR(edge["links"][0]["to"][0].get<double>(), 3.0, 1e-3) << "edges run backwards";
+      EXPECT_NEAR(edge["links"][0]["from"][0].get<double>(), 12.0, 1e-3);
+    }
+    EXPECT_GE(through, 1u) << method;
+    bool beyond = false;
+    for (const json& node : graph["nodes"]) {
+      beyond = beyond || node["position"][0].get<double>() > 10.0;
+    }
+    EXPECT_TRUE(beyond) << method;
+  }
+}
+
 TEST_F(Cli, TakesNegativePositions) {
   writeTo(folder_ / "left.obj", "v -9 0 -9\nv -1 0 -9\nv -1 0 -1\nv -9 0 -1\nf 4 3 2 1\n");
   const Outcome outcome = run("predict left.obj --at -5,0,-5 --heading-deg -45");
