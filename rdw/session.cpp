@@ -145,10 +145,7 @@ bool Session::teleport(const VirtualStart& to) {
 }
 
 SessionState Session::state() const {
-  SessionState state{redirector_.redirection(), physical_, std::nullopt, tracker_.memory(),
-                     reset_.memory()};
-  if (location_.polygon != navmesh::kNoPolygon) state.floor = location_.position();
-  return state;
+  return {redirector_.redirection(), physical_, location_, tracker_.memory(), reset_.memory()};
 }
 
 bool Session::resume(const SessionState& state) {
@@ -163,11 +160,14 @@ bool Session::resume(const SessionState& state) {
   std::uint32_t flags = kFrameSound;
   const HeadPose physical = cleaned(state.physical, HeadPose{}, flags);
   if (flags != kFrameSound) return false;
-  navmesh::Location place;
-  if (state.floor) {
-    const auto found = navmesh::locate(world_->graph, world_->locations, *state.floor, kFloorSnap);
+  navmesh::Location place = state.location;
+  if (place.polygon != navmesh::kNoPolygon) {
+    if (static_cast<std::uint32_t>(place.polygon) >= world_->graph.polygonCount()) return false;
+    // On a border several polygons would do: the one it was goes on to the bit.
+    const auto found = navmesh::locateFrom(world_->graph, world_->locations, place,
+                                           place.position(), kFloorSnap);
     if (!found) return false;
-    place = *found;
+    if (found->polygon != place.polygon) place = *found;
   }
   location_ = place;
   pending_.reset();

@@ -112,8 +112,8 @@ struct FrameResult {
 /// gains begin from neutral again.
 struct SessionState {
   Redirection redirection;
-  HeadPose physical;               ///< the last sound one
-  std::optional<glm::vec3> floor;  ///< under the user's feet, virtual; none until first found
+  HeadPose physical;           ///< the last sound one
+  navmesh::Location location;  ///< of the user's feet; kNoPolygon until first found
   MotionTracker::Memory motion;
   Reset::Memory reset;
 };

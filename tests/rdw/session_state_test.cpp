@@ -119,7 +119,9 @@ TEST(SessionState, IsRefusedWhereItCannotBe) {
   EXPECT_TRUE(refused([](SessionState& s) { s.motion.seconds = INFINITY; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.reset.state.progress = kNan; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.physical.position.x = NAN; }));
-  EXPECT_TRUE(refused([](SessionState& s) { s.floor = glm::vec3(1e4f, 0.0f, 0.0f); }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.location.plan = {1e4f, 0.0f}; }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.location.plan.x = NAN; }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.location.polygon = navmesh::PolygonId{1u << 30}; }));
   EXPECT_TRUE(other.resume(sound));
 }
 
