@@ -1,6 +1,7 @@
 // forewalk serve: the daemon. Ends at SIGTERM or SIGINT, once its sessions have gone elsewhere.
 #include <fmt/format.h>
 #include <pthread.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <csignal>
@@ -34,6 +35,7 @@ tl::expected<void, Error> run(ServeOptions& options) {
   sigaddset(&ends, SIGINT);
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);
 
+  spdlog::set_default_logger(spdlog::stderr_color_mt("forewalk"));  // stdout has the address
   spdlog::set_level(spdlog::level::from_str(options.log));
   daemon::DaemonSettings settings = options.daemon;
   settings.access.port = static_cast<unsigned short>(options.port);

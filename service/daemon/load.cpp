@@ -143,6 +143,7 @@ struct Round {
   LoadResult result;
   std::vector<double> milliseconds;
   unsigned begun = 0;
+  std::size_t next = 0;  ///< whose frame is due next
   bool ending = false;
   std::function<void()> onAllBegun;
 
@@ -266,18 +267,21 @@ void Client::onAnswer() {
   round.milliseconds.push_back(ms);
 }
 
-/// Sends what is due in each session, phases spread over a frame's time, once a millisecond.
+/// Sends what is due. Phases are spread over a frame's time, so that the clients come round in
+/// turn.
 void tickOn(Round& round, Clock::time_point end) {
-  round.tick.expires_after(std::chrono::milliseconds(1));
+  round.tick.expires_at(std::min(end, round.clients[round.next]->nextDue));
   round.tick.async_wait([&round, end](const Failure& failure) {
     if (failure) return;
     const Clock::time_point now = Clock::now();
     const auto frame = std::chrono::duration_cast<Clock::duration>(
         std::chrono::duration<double>(1.0 / round.settings.rate));
-    for (const auto& client : round.clients) {
-      for (; client->nextDue <= now && client->nextDue < end; client->nextDue += frame) {
-        client->due(client->nextDue);
-      }
+    while (true) {
+      Client& client = *round.clients[round.next];
+      if (client.nextDue > now || client.nextDue >= end) break;
+      client.due(client.nextDue);
+      client.nextDue += frame;
+      round.next = (round.next + 1) % round.clients.size();
     }
     if (now < end) return tickOn(round, end);
     // What is under way has two more seconds.
