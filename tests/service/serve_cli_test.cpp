@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -32,7 +33,9 @@ struct Serve {
   }
   static std::vector<std::string> arguments(std::vector<std::string> more) {
     ::setenv("FOREWALK_STATE_KEY", kKey, 1);
-    std::vector<std::string> all = {FOREWALK_PROGRAM, "serve", office().file, "--port", "0"};
+    std::vector<std::string> all = {FOREWALK_PROGRAM, "serve", office().file};
+    if (std::find(more.begin(), more.end(), "--port") == more.end())
+      more.insert(more.end(), {"--port", "0"});
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
