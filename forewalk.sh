@@ -9,9 +9,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 # What the build needs. `make` is there for machines without ninja; ninja and ccache are used if present.
 PACKAGES=(g++ cmake make
   librecast-dev libsqlite3-dev libopenmesh-dev libtinygltf-dev libglm-dev nlohmann-json3-dev libexpected-dev
-  libboost-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
-# clang++ compiles the C interface as an engine would, without exceptions and RTTI; only `test all` asks for it.
-PACKAGES_ALL=(clang)
+  libboost-dev libssl-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
+# clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
+# daemons; only `test all` asks for them.
+PACKAGES_ALL=(clang nginx-light)
 
 help() {
   cat <<'TEXT'
