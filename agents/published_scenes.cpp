@@ -1,6 +1,7 @@
 #include "agents/published_scenes.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "navmesh/plan.h"
 #include "navmesh/random.h"
@@ -150,6 +151,23 @@ CrowdScene cityBlockScene(std::uint64_t seed) {
   walkers(5, kEast, kWest, 1.1, 1.5);
   walkers(4, kNorth, kSouth, 1.1, 1.5);
   walkers(4, kSouth, kPatio, 0.8, 1.1);
+  return scene;
+}
+
+CrowdScene meetingScene(std::uint32_t count, float radius, std::uint64_t seed) {
+  CrowdScene scene;
+  scene.name = "meeting";
+  scene.arrivalRadius = 0.5f;
+  std::mt19937_64 rng(seed);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const double angle = 2.0 * 3.14159265358979323846 * k / count;
+    SceneAgent agent;
+    agent.spec.position = radius * glm::vec2(std::cos(angle), std::sin(angle));
+    agent.spec.preferredSpeed = static_cast<float>(navmesh::uniform(rng, 1.1, 1.5));
+    agent.goal = -agent.spec.position;
+    agent.spec.heading = navmesh::headingOf(agent.goal);
+    scene.agents.push_back(agent);
+  }
   return scene;
 }
 

@@ -45,6 +45,11 @@ AvatarNavigation populate(const AvatarScene& scene, const AvatarParameters& para
 /// assets/crowds/city_block.json. 60 x 50 m around the fountain.
 CrowdScene cityBlockScene(std::uint64_t seed);
 
+/// `count` agents on a circle of `radius` metres, each with its goal on the opposite side: all meet
+/// in the middle, and there is room to pass between those who have arrived. Speeds of 1.1 to 1.5
+/// m/s are drawn from the seed. Ours.
+CrowdScene meetingScene(std::uint32_t count, float radius, std::uint64_t seed);
+
 /// The cells to find paths over in it: the whole block, half a metre each.
 CellSettings cityBlockCells();
 

@@ -31,6 +31,7 @@ Verb addAnimate(CLI::App& program);
 Verb addPaths(CLI::App& program);
 Verb addTrajectories(CLI::App& program);
 Verb addCrowd(CLI::App& program);
+Verb addNetwork(CLI::App& program);
 
 /// For Option::check: why `text` is no whole number from 0 on, or "". (CLI11 lets -1 pass as the
 /// largest 64-bit number.)

@@ -127,12 +127,12 @@ TEST(Network, DelayAloneMovesALoneWalkersArrivalByTheRoundTripAndNoMore) {
   for (const float delay : {0.1f, 0.25f, 0.5f}) {
     const NetworkMetrics late = ran(scene, settingsWith(1, delay, 0.0f), 30.0);
     EXPECT_NEAR(late.meanArrival - prompt, 2.0 * static_cast<double>(delay), 0.11);
-    EXPECT_GT(late.efficiency, 0.999);
+    EXPECT_GT(late.efficiency, 0.99);  // the last tick's way counts as walked
   }
 }
 
 TEST(Network, LeavesNoOverlapWhereTheServerResolvesContacts) {
-  const CrowdScene scene = circleScene(18);
+  const CrowdScene scene = meetingScene(18, 8.0f, 1);
   for (const float delay : {0.0f, 0.25f, 0.5f}) {
     NetworkSettings settings = settingsWith(2, delay, 0.05f);
     const NetworkMetrics metrics = ran(scene, settings, 60.0);

@@ -68,3 +68,10 @@ if(TARGET paths_cli_test)
   target_compile_definitions(paths_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
 endif()
 forewalk_test(service/trajectory_picture_test.cpp LIBS forewalk::service)
+
+# Crowds over a network.
+forewalk_test(service/crowd_network_test.cpp LIBS forewalk::service)
+if(TARGET crowd_network_test)
+  add_dependencies(crowd_network_test forewalk)
+  target_compile_definitions(crowd_network_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+endif()
