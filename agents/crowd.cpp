@@ -150,6 +150,10 @@ void Crowd::setGoal(AgentId agent, glm::vec2 goal, float height) {
   navigation_.setGoal(indexOf(agent), goal, height);
 }
 
+void Crowd::setWay(AgentId agent, std::span<const glm::vec2> corners, float beyond) {
+  navigation_.setWay(indexOf(agent), corners, beyond);
+}
+
 void Crowd::clearGoal(AgentId agent) { navigation_.clearGoal(indexOf(agent)); }
 
 bool Crowd::arrived(AgentId agent) const {
@@ -197,6 +201,7 @@ std::span<float> Crowd::memoryOf(AgentId agent) {
 
 void Crowd::setFixedWalls(std::vector<Wall> walls) {
   fixedWalls_ = std::move(walls);
+  layCells();
   wallsChanged_ = true;
 }
 
@@ -204,7 +209,23 @@ void Crowd::setWorld(std::shared_ptr<const navmesh::World> world) {
   borderWalls_.clear();
   if (world) appendBorder(world->graph, settings_.navigation.walkerRadius, borderWalls_);
   navigation_.setWorld(std::move(world));
+  layCells();
   wallsChanged_ = true;
+}
+
+void Crowd::layCells() {
+  if (CellNavigation* cells = navigation_.cells()) {
+    cells->ground().setGround(navigation_.world(), settings_.navigation.walkerRadius, fixedWalls_);
+  }
+}
+
+tl::expected<void, Error> Crowd::setCells(const CellSettings& settings) {
+  auto ground = GroundCells::make(settings);
+  if (!ground) return tl::unexpected(std::move(ground.error()));
+  for (const PlacedObstacle& placed : obstacles_) ground->setObject(placed.id, placed.shape);
+  navigation_.setCells(std::move(*ground));
+  layCells();
+  return {};
 }
 
 tl::expected<navmesh::ObstacleId, Error> Crowd::addObstacle(const navmesh::Obstacle& obstacle,
@@ -212,6 +233,7 @@ tl::expected<navmesh::ObstacleId, Error> Crowd::addObstacle(const navmesh::Obsta
   if (auto valid = navmesh::validate(obstacle); !valid) return tl::unexpected(valid.error());
   const navmesh::ObstacleId id{nextObstacle_++};
   obstacles_.push_back({id, obstacle, velocity});
+  if (CellNavigation* cells = navigation_.cells()) cells->ground().setObject(id, obstacle);
   wallsChanged_ = true;
   return id;
 }
@@ -223,6 +245,7 @@ tl::expected<void, Error> Crowd::moveObstacle(navmesh::ObstacleId id,
   for (PlacedObstacle& placed : obstacles_) {
     if (placed.id != id) continue;
     placed.shape = obstacle;
+    if (CellNavigation* cells = navigation_.cells()) cells->ground().setObject(id, obstacle);
     placed.velocity = velocity;
     wallsChanged_ = true;
     return {};
@@ -236,6 +259,7 @@ bool Crowd::removeObstacle(navmesh::ObstacleId id) {
                                    [&](const PlacedObstacle& placed) { return placed.id == id; });
   if (gone == obstacles_.end()) return false;
   obstacles_.erase(gone, obstacles_.end());
+  if (CellNavigation* cells = navigation_.cells()) cells->ground().removeObject(id);
   wallsChanged_ = true;
   return true;
 }

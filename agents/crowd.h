@@ -75,6 +75,7 @@ struct StepReport {
   std::uint32_t contact = 0;         ///< likewise
   std::uint32_t waitingForPath = 0;  ///< agents for whom the budget of paths did not suffice
   std::uint32_t withoutPath = 0;     ///< agents whose goal cannot be reached
+  std::uint32_t notified = 0;       ///< agents who asked for a path because cells changed
   float deepestOverlap =
       0.0f;  ///< left after projection, share of the radii's sum; 0 where it is off
 };
@@ -99,6 +100,11 @@ class Crowd {
   /// found in the next steps, within the budget of paths.
   void setGoal(AgentId agent, glm::vec2 goal, float height = 0.0f);
   void clearGoal(AgentId agent);
+
+  /// A way that was found elsewhere, instead of a goal: 1 to Route::kCorners corners, passed one
+  /// after the other, and `beyond` metres from the last of them to the goal, >= 0.
+  void setWay(AgentId agent, std::span<const glm::vec2> corners, float beyond);
+  const Route& routeOf(AgentId agent) const { return navigation_.route(indexOf(agent)); }
   bool arrived(AgentId agent) const;  ///< within its goal radius, or it has no goal
 
   /// Moves a human, or anybody (a jump: velocities are not derived from it).
@@ -117,9 +123,14 @@ class Crowd {
   /// anew, within the budget. Give a new one when the world has changed.
   void setWorld(std::shared_ptr<const navmesh::World> world);
 
-  /// Something to walk around, which moves at `velocity` from tick to tick. It takes no part in
-  /// finding paths: for that, carve it into the navmesh and set the world. Fails as
-  /// navmesh::validate does.
+  /// Finds paths over cells (ground_cells.h) from now on, of the walls, the world and the obstacles
+  /// there are and will be; places on the navmesh stay its own. Fails as GroundCells::make does.
+  [[nodiscard]] tl::expected<void, Error> setCells(const CellSettings& settings);
+  const CellNavigation* cells() const { return navigation_.cells(); }  ///< null without
+
+  /// Something to walk around, which moves at `velocity` from tick to tick. On a navmesh it takes no
+  /// part in finding paths: for that, carve it into the navmesh and set the world. Over cells it
+  /// does. Fails as navmesh::validate does.
   [[nodiscard]] tl::expected<navmesh::ObstacleId, Error> addObstacle(
       const navmesh::Obstacle& obstacle, glm::vec2 velocity = glm::vec2(0.0f));
   [[nodiscard]] tl::expected<void, Error> moveObstacle(navmesh::ObstacleId id,
@@ -162,6 +173,7 @@ class Crowd {
   };
 
   void refreshWalls();
+  void layCells();
   void moveObstacles(float seconds);
   void setPreferredVelocities(float seconds, const navmesh::ForEach& forEach);
   void planFor(OwnModel& own, std::uint32_t modelNumber, std::uint32_t subStep, float seconds,

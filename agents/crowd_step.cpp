@@ -36,6 +36,9 @@ void Crowd::moveObstacles(float seconds) {
     } else if (auto* cylinder = std::get_if<navmesh::CylinderObstacle>(&placed.shape)) {
       cylinder->foot += navmesh::toSpace(by, 0.0f);
     }
+    if (CellNavigation* cells = navigation_.cells()) {
+      cells->ground().setObject(placed.id, placed.shape);
+    }
     wallsChanged_ = true;
   }
 }
@@ -76,7 +79,7 @@ void Crowd::refreshWalls() {
 }
 
 void Crowd::setPreferredVelocities(float seconds, const navmesh::ForEach& forEach) {
-  navigation_.findPaths(position_, height_);
+  navigation_.findPaths(position_, height_, radius_);
   const float sign = settings_.side >= 0.0f ? 1.0f : -1.0f;
   const float c = std::cos(sign * settings_.symmetryBreak),
               s = std::sin(sign * settings_.symmetryBreak);
@@ -191,6 +194,7 @@ void Crowd::countStatus() {
   }
   report_.waitingForPath = navigation_.waiting();
   report_.withoutPath = navigation_.closed();
+  report_.notified = navigation_.notified();
 }
 
 const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {

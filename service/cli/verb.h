@@ -34,6 +34,7 @@ Verb addCrowd(CLI::App& program);
 Verb addServe(CLI::App& program);
 Verb addReplay(CLI::App& program);
 Verb addLoad(CLI::App& program);
+Verb addNetwork(CLI::App& program);
 
 /// For Option::check: why `text` is no whole number from 0 on, or "". (CLI11 lets -1 pass as the
 /// largest 64-bit number.)

@@ -81,3 +81,10 @@ if(TARGET serve_cli_test)
   add_dependencies(serve_cli_test forewalk)
   target_compile_definitions(serve_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
 endif()
+
+# Crowds over a network.
+forewalk_test(service/crowd_network_test.cpp LIBS forewalk::service)
+if(TARGET crowd_network_test)
+  add_dependencies(crowd_network_test forewalk)
+  target_compile_definitions(crowd_network_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+endif()
