@@ -17,7 +17,8 @@ namespace {
 constexpr int kDone = 0, kRefused = 1, kWrongUsage = 2;
 
 constexpr const char* kVerbs =
-    "build, predict, sweep, simulate, fit, evaluate, animate, paths, trajectories, crowd or demo";
+    "build, predict, sweep, simulate, fit, evaluate, animate, paths, trajectories, crowd, "
+    "experiment, merge, report or demo";
 
 // The verb that was given, or the program where none was.
 const CLI::App& partOf(const CLI::App& program) {
@@ -84,10 +85,11 @@ int run(int argc, char** argv) {
       "Lengths are metres; positions are x,y,z in metres, y up (as the scene lies after --unit and "
       "--up).\n"
       "Exit status: 0 done, 1 the input was refused, 2 wrong usage.");
-  const Verb verbs[] = {addBuild(program),    addPredict(program), addSweep(program),
-                        addSimulate(program), addFit(program),     addEvaluate(program),
-                        addAnimate(program),  addPaths(program),   addTrajectories(program),
-                        addCrowd(program),    addDemo(program)};
+  const Verb verbs[] = {addBuild(program),    addPredict(program),    addSweep(program),
+                        addSimulate(program), addFit(program),        addEvaluate(program),
+                        addAnimate(program),  addPaths(program),      addTrajectories(program),
+                        addCrowd(program),    addExperiment(program), addMerge(program),
+                        addReport(program),   addDemo(program)};
   try {
     program.parse(argc, argv);
     for (const Verb& verb : verbs) {

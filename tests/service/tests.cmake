@@ -68,3 +68,6 @@ if(TARGET paths_cli_test)
   target_compile_definitions(paths_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
 endif()
 forewalk_test(service/trajectory_picture_test.cpp LIBS forewalk::service)
+
+# Experiments: many walks, their results and report.
+forewalk_test(service/experiment_test.cpp LIBS forewalk::service)
