@@ -255,6 +255,10 @@ tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> worl
       run.progress(std::min(1.0, std::max({metres / config.stop.virtualMetres,
                                            record.t / config.stop.seconds, walker.progress()})));
     }
+    if (run.interrupted && k % framesPerReport == 0 && run.interrupted()) {
+      account.summary.end = WalkEnd::kInterrupted;
+      break;
+    }
     if (metres >= config.stop.virtualMetres) {
       account.summary.end = WalkEnd::kMetres;
       break;

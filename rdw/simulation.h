@@ -50,7 +50,8 @@ struct SimulationResult {
 struct SimulationRun {
   std::function<double()> microseconds;  ///< a clock for the time columns; empty: they stay 0
   std::function<void(double done)>
-      progress;  ///< share of the walk, [0, 1], about every simulated second
+      progress;                       ///< share of the walk, [0, 1], about every simulated second
+  std::function<bool()> interrupted;  ///< asked as often; true ends the walk
 };
 
 /// Walks. `world` may be null, which is an endless open plane: for controllers that need no

@@ -78,6 +78,8 @@ std::string_view nameOf(WalkEnd end) {
       return "finished";
     case WalkEnd::kStuck:
       return "stuck";
+    case WalkEnd::kInterrupted:
+      return "interrupted";
   }
   return "unknown";
 }

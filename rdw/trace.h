@@ -51,13 +51,14 @@ class TraceHash {
 
 /// Why a walk ended.
 enum class WalkEnd : std::uint8_t {
-  kMetres,    ///< walked as far as asked
-  kSeconds,   ///< as long as asked
-  kFinished,  ///< the last waypoint or the end of the recording
-  kStuck,     ///< wanted to walk, but came no further for 50 s
+  kMetres,       ///< walked as far as asked
+  kSeconds,      ///< as long as asked
+  kFinished,     ///< the last waypoint or the end of the recording
+  kStuck,        ///< wanted to walk, but came no further for 50 s
+  kInterrupted,  ///< by the caller (SimulationRun::interrupted)
 };
 
-/// A word for each: "metres", "seconds", "finished", "stuck".
+/// A word for each: "metres", "seconds", "finished", "stuck", "interrupted".
 std::string_view nameOf(WalkEnd end);
 
 /// Median, 99th percentile and worst of a set of times, microseconds. Nearest rank.

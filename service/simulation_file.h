@@ -2,19 +2,63 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <string>
 #include <tl/expected.hpp>
+#include <utility>
+#include <vector>
 
 #include "navmesh/build/build.h"
 #include "navmesh/error.h"
 #include "navmesh/world.h"
 #include "rdw/simulation.h"
+#include "rdw/simulation_config.h"
+#include "rdw/tracked_space.h"
+#include "rdw/walk_file.h"
 
 namespace forewalk::service {
 
 struct LoadedSimulation {
   std::shared_ptr<const navmesh::World> world;  ///< null: an open plane
   rdw::SimulationConfig config;
+};
+
+/// Reads what simulations name, each scene, room and recording once. Any number of threads may use
+/// one loader; who comes while another loads waits.
+class SimulationLoader {
+ public:
+  /// Scenes are built with `run`.
+  explicit SimulationLoader(navmesh::BuildRun run = {}) : run_(std::move(run)) {}
+
+  /// What the files that `file` names make of it; they lie in `folder` unless their paths are
+  /// absolute. Fails as loadSimulation.
+  [[nodiscard]] tl::expected<LoadedSimulation, Error> load(const rdw::SimulationFile& file,
+                                                           const std::filesystem::path& folder);
+
+  /// All files read so far, sorted.
+  std::vector<std::filesystem::path> files() const;
+
+ private:
+  tl::expected<std::shared_ptr<const navmesh::World>, Error> worldOf(
+      const rdw::SimulationFile& file, const std::filesystem::path& folder);
+  tl::expected<rdw::TrackedSpace, Error> spaceOf(const std::filesystem::path& file);
+  tl::expected<rdw::Walk, Error> walkOf(const std::filesystem::path& file,
+                                        const std::string& walker);
+
+  struct BuiltScene {
+    std::filesystem::path file;
+    navmesh::ImportSettings import;
+    navmesh::BuildSettings build;
+    std::shared_ptr<const navmesh::World> world;
+  };
+
+  navmesh::BuildRun run_;
+  mutable std::mutex mutex_;
+  std::vector<BuiltScene> scenes_;
+  std::map<std::filesystem::path, rdw::TrackedSpace> spaces_;
+  std::map<std::filesystem::path, std::vector<rdw::Walk>> walks_;
 };
 
 /// Reads a `forewalk.simulation/1` file (rdw/simulation_config.h) and the files it names, which lie

@@ -88,3 +88,6 @@ if(TARGET crowd_network_test)
   add_dependencies(crowd_network_test forewalk)
   target_compile_definitions(crowd_network_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
 endif()
+
+# Experiments: many walks, their results and report.
+forewalk_test(service/experiment_test.cpp LIBS forewalk::service)
