@@ -116,6 +116,8 @@ TEST(SessionState, IsRefusedWhereItCannotBe) {
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refused([](SessionState& s) { s.redirection.yaw = kNan; }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.redirection.offset.x = 1e300; }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.reset.state.progress = 1e3; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.motion.seconds = INFINITY; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.reset.state.progress = kNan; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.physical.position.x = NAN; }));

@@ -64,7 +64,7 @@ struct Traveller {
 
   bool connect(unsigned short port) {
     walker.emplace(port, sessionWith("s2c"), token);
-    return walker->welcomed();
+    return walker->client.open() && walker->welcomed();
   }
   /// A frame, and whether what the user sees moved no further than gains allow for their own step.
   bool step() {
@@ -286,11 +286,11 @@ TEST(Serve, StandsBehindNginx) {
                (folder / "error.log").string()});
   bool up = false;
   for (int i = 0; i < 200 && !up; ++i) {
-    up = httpGet(port, "/healthz").status == 200;
+    up = httpGet(port, "/healthz", {{"Connection", "close"}}).status == 200;
     if (!up) std::this_thread::sleep_for(50ms);
   }
   ASSERT_TRUE(up) << textOf(folder / "error.log");
-  EXPECT_EQ(httpGet(port, "/metrics").status, 404u);
+  EXPECT_EQ(httpGet(port, "/metrics", {{"Connection", "close"}}).status, 404u);
 
   std::vector<Traveller> users;
   for (unsigned i = 0; i < 10; ++i) {
@@ -311,7 +311,8 @@ TEST(Serve, StandsBehindNginx) {
   for (Traveller& user : users) {
     user.step();
     if (user.walker->client.open()) continue;
-    ASSERT_TRUE(user.connect(port));
+    ASSERT_TRUE(user.connect(port)) << user.walker->client.status() << "\n"
+                                    << textOf(folder / "error.log");
     EXPECT_TRUE(user.walker->welcome["resumed"].get<bool>());
     ++moved;
   }
@@ -329,7 +330,8 @@ TEST(Serve, StandsBehindNginx) {
   std::this_thread::sleep_for(2500ms);  // fail_timeout
   for (Traveller& user : users) {
     user.step();
-    EXPECT_TRUE(user.connect(port));
+    ASSERT_TRUE(user.connect(port)) << user.walker->client.status() << "\n"
+                                    << textOf(folder / "error.log");
   }
   walkAll(10);
   for (Traveller& user : users) EXPECT_LT(user.worstJump, 1e-4f);
