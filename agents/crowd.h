@@ -117,6 +117,14 @@ class Crowd {
   /// anew, within the budget. Give a new one when the world has changed.
   void setWorld(std::shared_ptr<const navmesh::World> world);
 
+  /// What is closed in this world and what costs more; null: all is open. Paths lead around it, and
+  /// whoever is on the way turns back or aside once its path is found anew, within the budget,
+  /// those near the change first. Nobody is pushed out of what closes around them: they may leave.
+  ///
+  /// `doors`: what is closed is shut, a wall to whoever is outside. Without: only nobody wants to
+  /// go there (somebody stands in the way). setWorld() forgets the states.
+  void setStates(std::shared_ptr<const navmesh::PolygonStates> states, bool doors = true);
+
   /// Something to walk around, which moves at `velocity` from tick to tick. It takes no part in
   /// finding paths: for that, carve it into the navmesh and set the world. Fails as
   /// navmesh::validate does.

@@ -10,6 +10,7 @@
 
 #include "navmesh/corridor.h"
 #include "navmesh/locate.h"
+#include "navmesh/polygon_states.h"
 #include "navmesh/world.h"
 
 namespace forewalk::agents {
@@ -26,7 +27,7 @@ struct Route {
   static constexpr std::uint32_t kCorners = 8;
   enum class State : std::uint8_t {
     none,    ///< no goal
-    wanted,  ///< a path has to be found
+    wanted,  ///< a path has to be found; until then whoever has one (`count`) walks on along it
     found,   ///< `corners` lead to the goal, or on towards it
     closed,  ///< there is no way
   };
@@ -35,6 +36,7 @@ struct Route {
   bool toTheGoal = false;  ///< the last corner kept is the goal
   std::uint8_t count = 0;
   std::uint8_t next = 0;
+  std::uint8_t lost = 0;          ///< ticks for which the next corner has been out of sight
   std::uint32_t wantedSince = 0;  ///< order of asking
   glm::vec2 goal{0.0f};
   float goalHeight = 0.0f;
@@ -57,6 +59,13 @@ class Navigation {
   void setWorld(std::shared_ptr<const navmesh::World> world);
   const navmesh::World* world() const { return world_.get(); }
 
+  /// What is closed in the world and what costs more (null: all is open): paths lead to what is
+  /// cheapest, and nobody is sent into what is closed. Paths are found anew for all, within the
+  /// budget, the nearest to what changed first; until then everybody walks on. A new world has none
+  /// until it is given some. O(agents * polygons changed).
+  void setStates(std::shared_ptr<const navmesh::PolygonStates> states);
+  const navmesh::PolygonStates* states() const { return states_.get(); }
+
   // Agents by index, kept in step with the crowd's arrays.
   void add();
   void removeBySwap(std::uint32_t agent);  ///< the last agent takes its index
@@ -70,8 +79,9 @@ class Navigation {
   /// first. O(paths * corridor). Allocates only where a path is longer than any before.
   void findPaths(std::span<const glm::vec2> positions, std::span<const float> heights);
 
-  /// Where `agent` is to head; passes corners it has reached or can see beyond. Changes this
-  /// agent's route alone: any number of threads, each with its own agents.
+  /// Where `agent` is to head; passes corners it has reached or can see beyond. Who was pushed to
+  /// where the next corner cannot be seen asks for another path after a while. Changes this agent's
+  /// route alone: any number of threads, each with its own agents.
   SubGoal advance(std::uint32_t agent, glm::vec2 position);
 
   /// Follows an agent that moved from where it was to `position`: its place on the navmesh, moved
@@ -84,11 +94,13 @@ class Navigation {
 
  private:
   void want(Route& route);
+  void wantAnew(Route& route);
   void find(Route& route, glm::vec2 position, float height);
   bool sees(const navmesh::Location& from, glm::vec2 to) const;
 
   NavigationSettings settings_;
   std::shared_ptr<const navmesh::World> world_;
+  std::shared_ptr<const navmesh::PolygonStates> states_;  // null: all is open
   std::vector<Route> routes_;
   std::uint32_t asked_ = 0;
   std::uint32_t waiting_ = 0, closed_ = 0;

@@ -50,10 +50,10 @@ class CorridorScratch {
 /// False, and empty, where there is no way: the two are in different components, or a polygon is
 /// not one of the graph's.
 ///
-/// Where `states` of this graph are given, a metre through a polygon counts for as many as it costs,
-/// and what is closed is not entered: false as well where the goal's polygon is closed, or all that
-/// leads there. Who stands in a closed polygon may leave it, and walks to any place of it. Links are
-/// not taken.
+/// Where `states` of this graph are given, a metre through a polygon counts for as many as it
+/// costs, and what is closed is not entered: false as well where the goal's polygon is closed, or
+/// all that leads there. Who stands in a closed polygon may leave it, and walks to any place of it.
+/// Links are not taken.
 ///
 /// Costs O(n log n) of the half-portals looked at. Allocates only where the scratch or `corridor`
 /// has to grow.
