@@ -47,10 +47,12 @@ struct AgentSpec {
   float preferredSpeed = 1.3f;  ///< m/s, >= 0
   float maximumSpeed = 2.0f;    ///< m/s, >= 0
   float maximumAcceleration = std::numeric_limits<float>::infinity();  ///< m/s^2, > 0
-  float goalRadius = 0.1f;   ///< arrived when so near to the goal, metres, >= 0
-  std::uint8_t flags = 0;    ///< AgentFlag, or'ed
-  std::uint32_t group = 0;   ///< the caller's
-  ModelId model = kNoModel;  ///< one of the crowd's, for whoever has no flag
+  float goalRadius = 0.1f;  ///< arrived when so near to the goal, metres, >= 0
+  std::uint8_t flags = 0;   ///< AgentFlag, or'ed
+  std::uint32_t group = 0;  ///< the caller's
+  /// One of the crowd's, for whoever has no flag. A human may have one too: what it would do in
+  /// their place is planned and told (planOf), and not done.
+  ModelId model = kNoModel;
 };
 
 struct CrowdSettings {
@@ -169,6 +171,9 @@ class Crowd {
     glm::vec2 velocity;
   };
 
+  bool isPlannedFor(std::uint32_t agent) const {
+    return modelOf_[agent] != kNoModel && (flags_[agent] == 0 || flags_[agent] == kHuman);
+  }
   void refreshWalls();
   void moveObstacles(float seconds);
   void setPreferredVelocities(float seconds, const navmesh::ForEach& forEach);

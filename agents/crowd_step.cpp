@@ -113,7 +113,7 @@ void Crowd::planFor(OwnModel& own, std::uint32_t modelNumber, std::uint32_t subS
                     const navmesh::ForEach& forEach) {
   own.due.clear();
   for (std::uint32_t i = 0; i < id_.size(); ++i) {
-    if (static_cast<std::uint32_t>(modelOf_[i]) != modelNumber || flags_[i] != 0) continue;
+    if (static_cast<std::uint32_t>(modelOf_[i]) != modelNumber || !isPlannedFor(i)) continue;
     if (needsOf_[i] && (subStep == 0 || own.needs.longestSubStep > 0.0f)) own.due.push_back(i);
   }
   if (own.due.empty()) return;
@@ -203,7 +203,7 @@ const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {
   needsOf_.assign(n, nullptr);
   float reach = 0.0f, longest = seconds;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (flags_[i] != 0 || modelOf_[i] == kNoModel) continue;
+    if (!isPlannedFor(i)) continue;
     const Needs& needs = models_[static_cast<std::size_t>(modelOf_[i])].needs;
     if (planAge_[i] + 1e-5f < needs.period) continue;
     needsOf_[i] = &needs;

@@ -9,6 +9,7 @@
 #include "rdw/simulation_config.h"
 #include "rdw/walk_file.h"
 #include "service/files.h"
+#include "service/walk_company.h"
 
 namespace forewalk::service {
 namespace {
@@ -63,13 +64,31 @@ tl::expected<LoadedSimulation, Error> loadSimulation(const std::filesystem::path
     const auto read = readWalk(folder / parsed->walks, parsed->walker, loaded.config.user);
     if (!read) return tl::unexpected(read.error());
   }
+  if (!parsed->agents.empty()) {
+    auto company = parseCompany(parsed->agents, file.string(), parsed->scene, loaded.config.seed);
+    if (!company) return tl::unexpected(std::move(company.error()));
+    loaded.company = std::move(*company);
+  }
   if (!parsed->scene.empty()) {
     auto world = loadNavMesh(folder / parsed->scene, parsed->import, parsed->build, run)
-                     .and_then([](const navmesh::NavMesh& navMesh) { return makeWorld(navMesh); });
+                     .and_then([&](const navmesh::NavMesh& navMesh) {
+                       loaded.walkerRadius = navMesh.settings.radius;
+                       return makeWorld(navMesh);
+                     });
     if (!world) return tl::unexpected(std::move(world.error()));
     loaded.world = std::move(*world);
   }
   return loaded;
+}
+
+tl::expected<rdw::SimulationResult, Error> simulate(const LoadedSimulation& loaded,
+                                                    rdw::SimulationRun run,
+                                                    const navmesh::ForEach& forEach) {
+  if (!loaded.company) return rdw::simulate(loaded.world, loaded.config, run);
+  WalkCompany company(*loaded.company, loaded.world, loaded.walkerRadius, loaded.config.rate,
+                      forEach);
+  run.company = &company;
+  return rdw::simulate(loaded.world, loaded.config, run);
 }
 
 }  // namespace forewalk::service

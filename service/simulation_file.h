@@ -3,19 +3,29 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <tl/expected.hpp>
 
 #include "navmesh/build/build.h"
 #include "navmesh/error.h"
 #include "navmesh/world.h"
 #include "rdw/simulation.h"
+#include "service/company_config.h"
 
 namespace forewalk::service {
 
 struct LoadedSimulation {
   std::shared_ptr<const navmesh::World> world;  ///< null: an open plane
   rdw::SimulationConfig config;
+  std::optional<CompanyConfig> company;  ///< who else is in the building
+  float walkerRadius = 0.0f;             ///< of who the navmesh was built for, metres
 };
+
+/// Walks, in the company that the file asks for; `forEach`: who runs slices of a crowd's step, with
+/// the same result whoever does. Fails as rdw::simulate does.
+[[nodiscard]] tl::expected<rdw::SimulationResult, Error> simulate(
+    const LoadedSimulation& loaded, rdw::SimulationRun run = {},
+    const navmesh::ForEach& forEach = {});
 
 /// Reads a `forewalk.simulation/1` file (rdw/simulation_config.h) and the files it names, which lie
 /// beside it unless their paths are absolute; builds the scene with `run`.
