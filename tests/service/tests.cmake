@@ -2,6 +2,7 @@
 forewalk_test(service/parallel_test.cpp LIBS forewalk::service)
 forewalk_test(service/live_world_test.cpp LIBS forewalk::service)
 forewalk_test(service/walk_animation_test.cpp LIBS forewalk::service)
+forewalk_test(service/clip_file_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
 forewalk_test(service/walk_company_test.cpp LIBS forewalk::service fmt::fmt-header-only)
 forewalk_test(service/crowd_run_test.cpp LIBS forewalk::service SQLite::SQLite3 nlohmann_json::nlohmann_json)
