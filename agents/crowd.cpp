@@ -162,9 +162,8 @@ bool Crowd::arrived(AgentId agent) const {
   if (route.state == Route::State::none) return true;
   if (route.state == Route::State::closed) return false;
   // Of a goal beside the navmesh the nearest point of it counts: that is where the path ends.
-  const glm::vec2 end = route.state == Route::State::found && route.toTheGoal && route.count > 0
-                            ? route.corners[route.count - 1u]
-                            : route.goal;
+  const glm::vec2 end =
+      route.toTheGoal && route.count > 0 ? route.corners[route.count - 1u] : route.goal;
   return glm::distance(position_[i], end) <= goalRadius_[i] + 1e-4f;
 }
 
@@ -226,6 +225,15 @@ tl::expected<void, Error> Crowd::setCells(const CellSettings& settings) {
   navigation_.setCells(std::move(*ground));
   layCells();
   return {};
+}
+
+void Crowd::setStates(std::shared_ptr<const navmesh::PolygonStates> states, bool doors) {
+  if (!navigation_.world()) return;
+  borderWalls_.clear();
+  appendBorder(navigation_.world()->graph, settings_.navigation.walkerRadius, borderWalls_,
+               doors ? states.get() : nullptr);
+  navigation_.setStates(std::move(states));
+  wallsChanged_ = true;
 }
 
 tl::expected<navmesh::ObstacleId, Error> Crowd::addObstacle(const navmesh::Obstacle& obstacle,

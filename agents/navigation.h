@@ -13,6 +13,7 @@
 #include "agents/cell_navigation.h"
 #include "navmesh/corridor.h"
 #include "navmesh/locate.h"
+#include "navmesh/polygon_states.h"
 #include "navmesh/world.h"
 
 namespace forewalk::agents {
@@ -29,7 +30,7 @@ struct Route {
   static constexpr std::uint32_t kCorners = 8;
   enum class State : std::uint8_t {
     none,    ///< no goal
-    wanted,  ///< a path has to be found
+    wanted,  ///< a path has to be found; until then whoever has one (`count`) walks on along it
     found,   ///< `corners` lead to the goal, or on towards it
     closed,  ///< there is no way
   };
@@ -39,6 +40,7 @@ struct Route {
   bool given = false;      ///< by setWay: never found anew
   std::uint8_t count = 0;
   std::uint8_t next = 0;
+  std::uint8_t lost = 0;          ///< ticks for which the next corner has been out of sight
   std::uint32_t wantedSince = 0;  ///< order of asking
   glm::vec2 goal{0.0f};
   float goalHeight = 0.0f;
@@ -67,6 +69,13 @@ class Navigation {
 
   const navmesh::World* world() const { return world_.get(); }
 
+  /// What is closed in the world and what costs more (null: all is open): paths lead to what is
+  /// cheapest, and nobody is sent into what is closed. Paths are found anew for all, within the
+  /// budget, the nearest to what changed first; until then everybody walks on. A new world has none
+  /// until it is given some. O(agents * polygons changed).
+  void setStates(std::shared_ptr<const navmesh::PolygonStates> states);
+  const navmesh::PolygonStates* states() const { return states_.get(); }
+
   // Agents by index, kept in step with the crowd's arrays.
   void add();
   void removeBySwap(std::uint32_t agent);  ///< the last agent takes its index
@@ -86,8 +95,9 @@ class Navigation {
   void findPaths(std::span<const glm::vec2> positions, std::span<const float> heights,
                  std::span<const float> radii);
 
-  /// Where `agent` is to head; passes corners it has reached or can see beyond. Changes this
-  /// agent's route alone: any number of threads, each with its own agents.
+  /// Where `agent` is to head; passes corners it has reached or can see beyond. Who was pushed to
+  /// where the next corner cannot be seen asks for another path after a while. Changes this agent's
+  /// route alone: any number of threads, each with its own agents.
   SubGoal advance(std::uint32_t agent, glm::vec2 position);
 
   /// Follows an agent that moved from where it was to `position`: its place on the navmesh, moved
@@ -101,6 +111,7 @@ class Navigation {
 
  private:
   void want(Route& route);
+  void wantAnew(Route& route);
   void updateCells();
   void find(std::uint32_t agent, glm::vec2 position, float height, float radius);
   bool findOnNavMesh(Route& route, glm::vec2 position, float height);
@@ -109,6 +120,7 @@ class Navigation {
   NavigationSettings settings_;
   std::shared_ptr<const navmesh::World> world_;
   std::optional<CellNavigation> cells_;
+  std::shared_ptr<const navmesh::PolygonStates> states_;  // null: all is open
   std::vector<Route> routes_;
   std::uint32_t asked_ = 0;
   std::uint32_t waiting_ = 0, closed_ = 0, notified_ = 0;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "service/files.h"
+#include "service/walk_company.h"
 
 namespace forewalk::service {
 
@@ -44,22 +45,25 @@ tl::expected<rdw::Walk, Error> SimulationLoader::walkOf(const std::filesystem::p
                         file.string(), walker, walks.size(), walks.front().walker)});
 }
 
-tl::expected<std::shared_ptr<const navmesh::World>, Error> SimulationLoader::worldOf(
+tl::expected<SimulationLoader::BuiltScene, Error> SimulationLoader::sceneOf(
     const rdw::SimulationFile& file, const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / file.scene;
   for (const BuiltScene& scene : scenes_) {
     if (scene.file == path && scene.import == file.import && scene.build == file.build) {
-      return scene.world;
+      return scene;
     }
   }
-  auto world = loadNavMesh(path, file.import, file.build, run_)
-                   .and_then([](const navmesh::NavMesh& navMesh) { return makeWorld(navMesh); });
-  if (world) scenes_.push_back({path, file.import, file.build, *world});
-  return world;
+  const auto navMesh = loadNavMesh(path, file.import, file.build, run_);
+  if (!navMesh) return tl::unexpected(navMesh.error());
+  auto world = makeWorld(*navMesh);
+  if (!world) return tl::unexpected(std::move(world.error()));
+  scenes_.push_back({path, file.import, file.build, std::move(*world), navMesh->settings.radius});
+  return scenes_.back();
 }
 
 tl::expected<LoadedSimulation, Error> SimulationLoader::load(const rdw::SimulationFile& file,
-                                                             const std::filesystem::path& folder) {
+                                                             const std::filesystem::path& folder,
+                                                             const std::string& name) {
   const std::lock_guard lock(mutex_);
   LoadedSimulation loaded;
   loaded.config = file.simulation;
@@ -73,10 +77,16 @@ tl::expected<LoadedSimulation, Error> SimulationLoader::load(const rdw::Simulati
     if (!walk) return tl::unexpected(std::move(walk.error()));
     loaded.config.user.plan = rdw::Recorded{std::move(*walk)};
   }
+  if (!file.agents.empty()) {
+    auto company = parseCompany(file.agents, name, file.scene, loaded.config.seed);
+    if (!company) return tl::unexpected(std::move(company.error()));
+    loaded.company = std::move(*company);
+  }
   if (!file.scene.empty()) {
-    auto world = worldOf(file, folder);
-    if (!world) return tl::unexpected(std::move(world.error()));
-    loaded.world = std::move(*world);
+    const auto scene = sceneOf(file, folder);
+    if (!scene) return tl::unexpected(scene.error());
+    loaded.world = scene->world;
+    loaded.walkerRadius = scene->walkerRadius;
   }
   return loaded;
 }
@@ -96,7 +106,17 @@ tl::expected<LoadedSimulation, Error> loadSimulation(const std::filesystem::path
   if (!bytes) return tl::unexpected(bytes.error());
   const auto parsed = rdw::parseSimulation(*bytes, file.string());
   if (!parsed) return tl::unexpected(parsed.error());
-  return SimulationLoader(run).load(*parsed, file.parent_path());
+  return SimulationLoader(run).load(*parsed, file.parent_path(), file.string());
+}
+
+tl::expected<rdw::SimulationResult, Error> simulate(const LoadedSimulation& loaded,
+                                                    rdw::SimulationRun run,
+                                                    const navmesh::ForEach& forEach) {
+  if (!loaded.company) return rdw::simulate(loaded.world, loaded.config, run);
+  WalkCompany company(*loaded.company, loaded.world, loaded.walkerRadius, loaded.config.rate,
+                      forEach);
+  run.company = &company;
+  return rdw::simulate(loaded.world, loaded.config, run);
 }
 
 }  // namespace forewalk::service

@@ -170,20 +170,20 @@ std::string Experiment::namesOf(const std::array<std::size_t, kAxes>& chosen) co
   return names;
 }
 
-tl::expected<LoadedSimulation, Error> Experiment::load(
-    const std::array<std::size_t, kAxes>& chosen) const {
-  const std::string text = plan_.simulationOf(chosen).dump();
+tl::expected<LoadedSimulation, Error> Experiment::load(const std::array<std::size_t, kAxes>& chosen,
+                                                       std::uint64_t seed) const {
+  nlohmann::json simulation = plan_.simulationOf(chosen);
+  simulation["seed"] = seed;
+  const std::string text = simulation.dump();
+  const std::string name = fmt::format("{} ({})", file_.string(), namesOf(chosen));
   const auto file =
-      rdw::parseSimulation({reinterpret_cast<const std::byte*>(text.data()), text.size()},
-                           fmt::format("{} ({})", file_.string(), namesOf(chosen)));
+      rdw::parseSimulation({reinterpret_cast<const std::byte*>(text.data()), text.size()}, name);
   if (!file) return tl::unexpected(file.error());
-  return loader_->load(*file, file_.parent_path());
+  return loader_->load(*file, file_.parent_path(), name);
 }
 
 tl::expected<LoadedSimulation, Error> Experiment::simulation(std::size_t run) const {
-  auto loaded = load(plan_.choicesOf(run));
-  if (loaded) loaded->config.seed = plan_.seedOf(run);
-  return loaded;
+  return load(plan_.choicesOf(run), plan_.seedOf(run));
 }
 
 tl::expected<void, Error> Experiment::check(const LoadedSimulation& loaded,
@@ -211,15 +211,14 @@ tl::expected<void, Error> Experiment::check(const LoadedSimulation& loaded,
 
 tl::expected<void, Error> Experiment::tryOut(const std::array<std::size_t, kAxes>& chosen,
                                              bool withController) const {
-  auto loaded = load(chosen);
+  auto loaded = load(chosen, plan_.seeds.front());
   if (!loaded) return tl::unexpected(loaded.error());
   if (auto sound = check(*loaded, chosen); !sound) return sound;
   rdw::SimulationConfig& config = loaded->config;
   if (!withController) config.session.controller = rdw::controllerNames().front();
-  config.seed = plan_.seeds.front();
   config.keepFrames = false;
-  const rdw::SimulationRun first{{}, {}, [] { return true; }};  // ends after a frame
-  if (const auto walked = rdw::simulate(loaded->world, config, first); !walked) {
+  const rdw::SimulationRun first{{}, {}, [] { return true; }, nullptr};  // ends after a frame
+  if (const auto walked = service::simulate(*loaded, first); !walked) {
     return tl::unexpected(
         Error{walked.error().code,
               fmt::format("{} ({}): {}", file_.string(), namesOf(chosen), walked.error().message)});
@@ -308,8 +307,8 @@ tl::expected<CampaignEnd, Error> Experiment::carryOut(const CampaignSettings& se
       return failedRow(run, sound.error().message);
     }
     loaded->config.keepFrames = true;
-    const rdw::SimulationRun how{settings.microseconds, {}, interrupted};
-    const auto result = rdw::simulate(loaded->world, loaded->config, how);
+    const rdw::SimulationRun how{settings.microseconds, {}, interrupted, nullptr};
+    const auto result = service::simulate(*loaded, how);
     if (!result) return failedRow(run, result.error().message);
     if (result->summary.end == rdw::WalkEnd::kInterrupted) return std::nullopt;
     const bool traced =

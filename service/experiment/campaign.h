@@ -73,7 +73,8 @@ class Experiment {
   [[nodiscard]] tl::expected<CampaignEnd, Error> carryOut(const CampaignSettings& settings) const;
 
  private:
-  tl::expected<LoadedSimulation, Error> load(const std::array<std::size_t, kAxes>& chosen) const;
+  tl::expected<LoadedSimulation, Error> load(const std::array<std::size_t, kAxes>& chosen,
+                                             std::uint64_t seed) const;
   std::string namesOf(const std::array<std::size_t, kAxes>& chosen) const;
   tl::expected<void, Error> check(const LoadedSimulation& loaded,
                                   const std::array<std::size_t, kAxes>& chosen) const;
