@@ -75,7 +75,7 @@ struct StepReport {
   std::uint32_t contact = 0;         ///< likewise
   std::uint32_t waitingForPath = 0;  ///< agents for whom the budget of paths did not suffice
   std::uint32_t withoutPath = 0;     ///< agents whose goal cannot be reached
-  std::uint32_t notified = 0;       ///< agents who asked for a path because cells changed
+  std::uint32_t notified = 0;        ///< agents who asked for a path because cells changed
   float deepestOverlap =
       0.0f;  ///< left after projection, share of the radii's sum; 0 where it is off
 };
@@ -128,8 +128,8 @@ class Crowd {
   [[nodiscard]] tl::expected<void, Error> setCells(const CellSettings& settings);
   const CellNavigation* cells() const { return navigation_.cells(); }  ///< null without
 
-  /// Something to walk around, which moves at `velocity` from tick to tick. On a navmesh it takes no
-  /// part in finding paths: for that, carve it into the navmesh and set the world. Over cells it
+  /// Something to walk around, which moves at `velocity` from tick to tick. On a navmesh it takes
+  /// no part in finding paths: for that, carve it into the navmesh and set the world. Over cells it
   /// does. Fails as navmesh::validate does.
   [[nodiscard]] tl::expected<navmesh::ObstacleId, Error> addObstacle(
       const navmesh::Obstacle& obstacle, glm::vec2 velocity = glm::vec2(0.0f));

@@ -134,9 +134,9 @@ void Navigation::find(std::uint32_t agent, glm::vec2 position, float height, flo
   Route& route = routes_[agent];
   route.state = Route::State::closed;
   route.count = route.next = 0;
-  const bool found = cells_ ? cells_->find(agent, position, route.goal, radius,
-                                           settings_.snap.distance, path_)
-                            : findOnNavMesh(route, position, height);
+  const bool found =
+      cells_ ? cells_->find(agent, position, route.goal, radius, settings_.snap.distance, path_)
+             : findOnNavMesh(route, position, height);
   if (!found) return;
   // The path's first point is where the agent stands.
   if (path_.size() == 1) path_.push_back(path_.back());
