@@ -42,7 +42,8 @@ std::uint32_t CellSearch::find(const GroundCells& ground, std::uint32_t from, st
     std::pop_heap(heap_.begin(), heap_.end(), later);
     const Open open = heap_.back();
     heap_.pop_back();
-    if (open.estimate != cost_[open.cell] + estimate(open.cell)) continue;  // reached for less since
+    if (open.estimate != cost_[open.cell] + estimate(open.cell))
+      continue;  // reached for less since
     if (open.cell == to) break;
     for (std::uint32_t direction = 0; direction < GroundCells::kDirections; ++direction) {
       if (!(ground.wayRoom(open.cell, direction) >= radius)) continue;
@@ -101,11 +102,13 @@ bool CellNavigation::find(std::uint32_t agent, glm::vec2 position, glm::vec2 goa
   // Pressed against a wall, the nearest place in sight; inside of one, any.
   const float near = 2.0f * ground_.settings().cell;
   std::uint32_t from = nearestPlace(position, radius, near, true);
-  if (from == GroundCells::kOutside) from = nearestPlace(position, radius, std::max(near, snap), false);
+  if (from == GroundCells::kOutside)
+    from = nearestPlace(position, radius, std::max(near, snap), false);
   const bool roomAtGoal = ground_.roomAt(goal) >= radius;
   std::uint32_t to = GroundCells::kOutside;
   if (roomAtGoal) to = nearestPlace(goal, radius, near, true);
-  const bool ends = to != GroundCells::kOutside && ground_.lineRoom(ground_.placeOf(to), goal) >= radius;
+  const bool ends =
+      to != GroundCells::kOutside && ground_.lineRoom(ground_.placeOf(to), goal) >= radius;
   if (!ends) to = nearestPlace(goal, radius, std::max(near, snap), false);
   if (from == GroundCells::kOutside || to == GroundCells::kOutside) return false;
   if (search_.find(ground_, from, to, radius, cells_) == CellSearch::kNoWay) return false;

@@ -22,9 +22,9 @@ inline constexpr std::uint32_t kStraightCost = 408, kDiagonalCost = 577;
 /// A* with scratch that is stamped, not cleared.
 class CellSearch {
  public:
-  /// Replaces `cells` with the cheapest way for a body of `radius` (wider ones than `reach` count as
-  /// that wide) from cell to cell, both included. Returns its cost, or kNoWay. The start need not
-  /// have room. O(cells log cells) at worst.
+  /// Replaces `cells` with the cheapest way for a body of `radius` (wider ones than `reach` count
+  /// as that wide) from cell to cell, both included. Returns its cost, or kNoWay. The start need
+  /// not have room. O(cells log cells) at worst.
   std::uint32_t find(const GroundCells& ground, std::uint32_t from, std::uint32_t to, float radius,
                      std::vector<std::uint32_t>& cells);
 

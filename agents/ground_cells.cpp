@@ -21,9 +21,9 @@ constexpr int kStep[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1},
 double distanceTo(glm::dvec2 point, glm::dvec2 from, glm::dvec2 to) {
   const glm::dvec2 edge = to - from;
   const double squaredLength = glm::dot(edge, edge);
-  const double share =
-      squaredLength > 0.0 ? std::clamp(glm::dot(point - from, edge) / squaredLength, 0.0, 1.0)
-                          : 0.0;
+  const double share = squaredLength > 0.0
+                           ? std::clamp(glm::dot(point - from, edge) / squaredLength, 0.0, 1.0)
+                           : 0.0;
   return glm::distance(point, from + share * edge);
 }
 
@@ -108,8 +108,8 @@ GroundCells::GroundCells(const CellSettings& settings) : settings_(settings) {
 
 glm::vec2 GroundCells::pointOf(std::uint32_t sample) const {
   const std::uint32_t column = sample % sampleColumns(), row = sample / sampleColumns();
-  return settings_.low + spacing_ * (glm::vec2(static_cast<float>(column), static_cast<float>(row)) +
-                                     0.5f);
+  return settings_.low +
+         spacing_ * (glm::vec2(static_cast<float>(column), static_cast<float>(row)) + 0.5f);
 }
 
 std::uint32_t GroundCells::cellOfSample(std::uint32_t sample) const {
@@ -181,7 +181,8 @@ void GroundCells::setGround(const navmesh::World* world, float walkerRadius,
     const navmesh::SnapLimits exactly{1e-4f, 1.0f, 1.0f};
     for (std::uint32_t sample = 0; sample < ground_.size(); ++sample) {
       const glm::vec3 at = navmesh::toSpace(pointOf(sample), settings_.height);
-      if (!navmesh::locate(world->graph, world->locations, at, exactly)) ground_[sample] = kNoGround;
+      if (!navmesh::locate(world->graph, world->locations, at, exactly))
+        ground_[sample] = kNoGround;
     }
   }
   const double margin = kHalfDiagonal * spacing_;
@@ -262,8 +263,7 @@ float GroundCells::findRoom(std::uint32_t sample) const {
 
 void GroundCells::findPlace(std::uint32_t cell) {
   const std::uint32_t side = settings_.samples;
-  const std::uint32_t first =
-      cell / columns_ * side * sampleColumns() + cell % columns_ * side;
+  const std::uint32_t first = cell / columns_ * side * sampleColumns() + cell % columns_ * side;
   const int middle = static_cast<int>(side / 2);
   std::uint32_t best = first;
   float bestRoom = -1.0f;
@@ -299,8 +299,8 @@ std::span<const std::uint32_t> GroundCells::update() {
       const int lastColumn = std::min(column + cells, static_cast<int>(columns_) - 1);
       for (int y = std::max(row - cells, 0); y <= lastRow; ++y) {
         for (int x = std::max(column - cells, 0); x <= lastColumn; ++x) {
-          const std::uint32_t near = static_cast<std::uint32_t>(y) * columns_ +
-                                     static_cast<std::uint32_t>(x);
+          const std::uint32_t near =
+              static_cast<std::uint32_t>(y) * columns_ + static_cast<std::uint32_t>(x);
           if (near_[near]) continue;
           near_[near] = 1;
           nearCells_.push_back(near);
@@ -355,8 +355,8 @@ std::span<const std::uint32_t> GroundCells::update() {
   return changed_;
 }
 
-// The samples whose squares the line from `from` to `to` touches, in order, until visit(sample) says
-// false. Through a corner it touches all four. False where it leaves the grid or was stopped.
+// The samples whose squares the line from `from` to `to` touches, in order, until visit(sample)
+// says false. Through a corner it touches all four. False where it leaves the grid or was stopped.
 template <typename Visit>
 bool GroundCells::walkLine(glm::vec2 from, glm::vec2 to, const Visit& visit) const {
   const std::uint32_t columns = sampleColumns(), rows = sampleRows();

@@ -122,7 +122,7 @@ class GroundCells {
   std::vector<float> room_;
   // Per cell.
   std::vector<std::uint16_t> blockedIn_;
-  std::vector<std::uint32_t> place_;  // a sample
+  std::vector<std::uint32_t> place_;       // a sample
   std::vector<std::array<float, 4>> way_;  // E NE N NW; the others are the neighbours'
   std::vector<std::uint8_t> dirty_, near_;
   std::vector<std::uint32_t> dirtyCells_, nearCells_, changed_;

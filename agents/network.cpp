@@ -113,7 +113,8 @@ void NetworkClient::receive(const NetworkSnapshot& snapshot) {
     glm::vec2 shift = state.position - own.after[snapshot.answered % kRemembered];
     if (number_ == 0) shift = state.position - crowd_.view().position[crowd_.indexOf(id)];
     if (!(glm::dot(shift, shift) > 1e-10f)) continue;
-    for (std::uint64_t k = snapshot.answered; k <= number_; ++k) own.after[k % kRemembered] += shift;
+    for (std::uint64_t k = snapshot.answered; k <= number_; ++k)
+      own.after[k % kRemembered] += shift;
     const AgentsView view = crowd_.view();
     const std::uint32_t i = crowd_.indexOf(id);
     crowd_.place(id, view.position[i] + shift, 0.0f, view.heading[i], view.velocity[i]);

@@ -5,8 +5,8 @@
 // state machines, messages plain values: nothing here knows a socket or a clock. A link that delays
 // and loses messages is part of it, so that what lateness does can be measured and repeated.
 //
-//   server, every tick   commands that came -> positions, contacts resolved, paths -> a snapshot each
-//   client, every tick   snapshots that came -> others where they were, own ones corrected
+//   server, every tick   commands that came -> positions, contacts resolved, paths -> a snapshot
+//   each client, every tick   snapshots that came -> others where they were, own ones corrected
 //                        -> a velocity for each own agent (social forces) -> a command
 //
 // The server holds what is true. A client walks its own agents on at once, remembers where each
@@ -42,11 +42,11 @@ struct NetworkWelcome {
   };
   static constexpr std::uint32_t kNobodys = 0xffffffffu;
 
-  std::uint32_t client = 0;      ///< its number
-  float seconds = 0.05f;         ///< a tick
-  bool velocityBias = true;      ///< plan with that force
-  bool deadReckoning = false;    ///< walk others on at their last velocity where nothing came
-  std::vector<Member> members;   ///< everybody; agent k is the k-th
+  std::uint32_t client = 0;     ///< its number
+  float seconds = 0.05f;        ///< a tick
+  bool velocityBias = true;     ///< plan with that force
+  bool deadReckoning = false;   ///< walk others on at their last velocity where nothing came
+  std::vector<Member> members;  ///< everybody; agent k is the k-th
   std::vector<Wall> walls;
 };
 
@@ -69,9 +69,10 @@ struct NetworkSnapshot {
   };
 
   std::uint64_t tick = 0;
-  std::uint64_t answered = 0;  ///< the client's last command that is in it, or was given up; 0: none
-  std::vector<State> states;   ///< everybody, ascending
-  std::vector<Way> ways;       ///< of the client's agents, ascending
+  std::uint64_t answered =
+      0;                      ///< the client's last command that is in it, or was given up; 0: none
+  std::vector<State> states;  ///< everybody, ascending
+  std::vector<Way> ways;      ///< of the client's agents, ascending
   bool operator==(const NetworkSnapshot&) const = default;
 };
 
@@ -90,21 +91,22 @@ struct NetworkCommand {
 
 struct NetworkSettings {
   std::uint32_t clients = 2;
-  float seconds = 0.05f;       ///< a tick
-  float delay = 0.0f;          ///< of every message, one way, seconds; rounded to ticks
-  float loss = 0.0f;           ///< share of messages that never arrive, 0 to 1
-  std::uint64_t seed = 1;      ///< of the losses
+  float seconds = 0.05f;   ///< a tick
+  float delay = 0.0f;      ///< of every message, one way, seconds; rounded to ticks
+  float loss = 0.0f;       ///< share of messages that never arrive, 0 to 1
+  std::uint64_t seed = 1;  ///< of the losses
   bool velocityBias = true;
   bool deadReckoning = false;
-  bool resolveContacts = true;         ///< the server takes bodies out of each other
-  std::optional<CellSettings> cells;   ///< paths over cells; none: straight on
+  bool resolveContacts = true;        ///< the server takes bodies out of each other
+  std::optional<CellSettings> cells;  ///< paths over cells; none: straight on
 };
 
 /// Delays and loses. Messages arrive in the order of sending.
 template <typename Message>
 class Link {
  public:
-  Link(std::uint64_t ticks, float loss, std::uint64_t seed) : ticks_(ticks), loss_(loss), rng_(seed) {}
+  Link(std::uint64_t ticks, float loss, std::uint64_t seed)
+      : ticks_(ticks), loss_(loss), rng_(seed) {}
 
   void send(std::uint64_t now, Message message) {
     const bool lost = navmesh::uniform(rng_) < static_cast<double>(loss_);
@@ -167,8 +169,8 @@ class NetworkClient {
 /// Global navigation, contacts, and what is true.
 class NetworkServer {
  public:
-  /// Agents of the scene that are not human are dealt to the clients in turn. Humans walk to and fro
-  /// between their place and their goal. Fails as Crowd::setCells does.
+  /// Agents of the scene that are not human are dealt to the clients in turn. Humans walk to and
+  /// fro between their place and their goal. Fails as Crowd::setCells does.
   [[nodiscard]] static tl::expected<NetworkServer, Error> make(const CrowdScene& scene,
                                                                const NetworkSettings& settings);
 
@@ -211,13 +213,14 @@ class NetworkServer {
 /// What lateness did.
 struct NetworkMetrics {
   double seconds = 0.0;
-  std::uint32_t agents = 0, arrived = 0;  ///< not human
+  std::uint32_t agents = 0, arrived = 0;        ///< not human
   double meanArrival = 0.0, lastArrival = 0.0;  ///< seconds, of those that arrived
-  double efficiency = 0.0;       ///< mean over them of the first path's length over the walked
-  std::uint32_t collisions = 0;  ///< pairs whose bodies met deeper than 1 %, before contacts are resolved
-  OverlapCount proposed;         ///< every tick, before contacts are resolved
-  OverlapCount left;             ///< and after
-  std::uint64_t hash = 0;        ///< of every tick's state
+  double efficiency = 0.0;  ///< mean over them of the first path's length over the walked
+  std::uint32_t collisions =
+      0;                   ///< pairs whose bodies met deeper than 1 %, before contacts are resolved
+  OverlapCount proposed;   ///< every tick, before contacts are resolved
+  OverlapCount left;       ///< and after
+  std::uint64_t hash = 0;  ///< of every tick's state
 };
 
 /// A whole run, but for the clients: they are the caller's, in this process or in another.

@@ -21,8 +21,7 @@ NetworkSession::NetworkSession(NetworkServer server, const CrowdScene& scene,
       arrivalRadius_(scene.arrivalRadius),
       ticks_(static_cast<std::uint64_t>(
           std::llround(seconds / static_cast<double>(settings.seconds)))) {
-  const auto delay =
-      static_cast<std::uint64_t>(std::lround(settings.delay / settings.seconds));
+  const auto delay = static_cast<std::uint64_t>(std::lround(settings.delay / settings.seconds));
   for (std::uint32_t c = 0; c < settings.clients; ++c) {
     // Each way its own losses.
     down_.emplace_back(delay, settings.loss, settings.seed * 1000003u + 2 * c);

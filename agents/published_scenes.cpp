@@ -47,12 +47,11 @@ constexpr AvatarObject kTwenty[] = {
     {{8.0f, 12.0f}, {1.0f, 1.2f}, 0.4f},   {{16.0f, 12.5f}, {0.8f, 0.8f}}};
 constexpr std::uint32_t kTwentyVisits[] = {20, 1, 5, 16, 13};
 
-constexpr AvatarScene kScenes[] = {
-    {"initial, a box in the way", {0.0f, 0.0f}, kOneBox, kToTheLast},
-    {"initial, a row of boxes", {0.0f, 0.0f}, kRow, kBeyondTheRow},
-    {"test 1, 8 objects", {-3.5f, -3.0f}, kEight, kEightVisits},
-    {"test 2, 10 objects", {0.0f, 0.0f}, kTen, kTenVisits},
-    {"test 3, 20 objects", {-4.0f, 0.0f}, kTwenty, kTwentyVisits}};
+constexpr AvatarScene kScenes[] = {{"initial, a box in the way", {0.0f, 0.0f}, kOneBox, kToTheLast},
+                                   {"initial, a row of boxes", {0.0f, 0.0f}, kRow, kBeyondTheRow},
+                                   {"test 1, 8 objects", {-3.5f, -3.0f}, kEight, kEightVisits},
+                                   {"test 2, 10 objects", {0.0f, 0.0f}, kTen, kTenVisits},
+                                   {"test 3, 20 objects", {-4.0f, 0.0f}, kTwenty, kTwentyVisits}};
 
 struct Area {
   glm::vec2 low, high;
@@ -86,8 +85,8 @@ CrowdScene cityBlockScene(std::uint64_t seed) {
   const glm::vec2 room[] = {{-30.0f, -25.0f}, {30.0f, -25.0f}, {30.0f, 25.0f}, {-30.0f, 25.0f}};
   appendLoop(room, glm::vec2(0.0f), scene.walls);
   const auto house = [&](glm::vec2 centre, glm::vec2 halfSize) {
-    scene.obstacles.push_back(navmesh::BoxObstacle{navmesh::toSpace(centre, 2.0f),
-                                                   {halfSize.x, 2.0f, halfSize.y}});
+    scene.obstacles.push_back(
+        navmesh::BoxObstacle{navmesh::toSpace(centre, 2.0f), {halfSize.x, 2.0f, halfSize.y}});
   };
   house({-18.0f, 15.0f}, {11.0f, 9.0f});
   house({18.0f, 15.0f}, {11.0f, 9.0f});

@@ -97,8 +97,7 @@ class Connection {
   tl::expected<void, Error> fill(std::span<std::byte> room) {
     for (std::size_t got = 0; got < room.size();) {
       if (!ready(POLLIN)) return broken(fmt::format("nothing came for {} s", patience_));
-      const ssize_t n =
-          recv(socket_.handle(), room.data() + got, room.size() - got, MSG_DONTWAIT);
+      const ssize_t n = recv(socket_.handle(), room.data() + got, room.size() - got, MSG_DONTWAIT);
       if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) continue;
       if (n == 0) return broken("it left");
       if (n < 0) return broken(fmt::format("the connection broke ({})", std::strerror(errno)));
@@ -117,9 +116,9 @@ tl::expected<sockaddr_in, Error> addressOf(const std::string& address, std::uint
   at.sin_family = AF_INET;
   at.sin_port = htons(port);
   if (inet_pton(AF_INET, address.c_str(), &at.sin_addr) == 1) return at;
-  return tl::unexpected(Error{ErrorCode::kSettingOutOfRange,
-                              fmt::format("\"{}\" is no IPv4 address. Give one like 127.0.0.1.",
-                                          address)});
+  return tl::unexpected(
+      Error{ErrorCode::kSettingOutOfRange,
+            fmt::format("\"{}\" is no IPv4 address. Give one like 127.0.0.1.", address)});
 }
 
 struct Listener {
@@ -135,8 +134,8 @@ tl::expected<Listener, Error> listenAt(const NetworkHost& host, int clients) {
   setsockopt(socket.handle(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   socklen_t size = sizeof(sockaddr_in);
   auto* generic = reinterpret_cast<sockaddr*>(&*at);
-  if (!socket || bind(socket.handle(), generic, size) != 0 || listen(socket.handle(), clients) != 0 ||
-      getsockname(socket.handle(), generic, &size) != 0) {
+  if (!socket || bind(socket.handle(), generic, size) != 0 ||
+      listen(socket.handle(), clients) != 0 || getsockname(socket.handle(), generic, &size) != 0) {
     return broken(fmt::format("cannot listen at {}:{} ({}). Try another port.", host.address,
                               host.port, std::strerror(errno)));
   }
@@ -144,8 +143,7 @@ tl::expected<Listener, Error> listenAt(const NetworkHost& host, int clients) {
 }
 
 Error ofClient(std::uint32_t client, std::uint64_t tick, const Error& error) {
-  return {error.code,
-          fmt::format("crowd client {} at tick {}: {}.", client, tick, error.message)};
+  return {error.code, fmt::format("crowd client {} at tick {}: {}.", client, tick, error.message)};
 }
 
 }  // namespace
@@ -208,10 +206,12 @@ tl::expected<void, Error> joinNetwork(const std::string& address, std::uint16_t 
   const auto at = addressOf(address, port);
   if (!at) return tl::unexpected(at.error());
   Socket socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  if (!socket || connect(socket.handle(), reinterpret_cast<const sockaddr*>(&*at), sizeof *at) != 0) {
-    return broken(fmt::format("no crowd server at {}:{} ({}). Start one with forewalk network "
-                              "--listen {}.",
-                              address, port, std::strerror(errno), port));
+  if (!socket ||
+      connect(socket.handle(), reinterpret_cast<const sockaddr*>(&*at), sizeof *at) != 0) {
+    return broken(
+        fmt::format("no crowd server at {}:{} ({}). Start one with forewalk network "
+                    "--listen {}.",
+                    address, port, std::strerror(errno), port));
   }
   Connection server(std::move(socket), patience);
   const auto ofServer = [&](const std::string& sentence) {
@@ -239,9 +239,10 @@ tl::expected<void, Error> joinNetwork(const std::string& address, std::uint16_t 
 
 tl::expected<agents::NetworkMetrics, Error> runNetworkInProcesses(
     const agents::CrowdScene& scene, const agents::NetworkSettings& settings, double seconds,
-    const std::filesystem::path& program) {
+    const std::filesystem::path& program, double patience) {
   std::vector<pid_t> children;
   NetworkHost host;
+  host.patience = patience;
   host.listening = [&](std::uint16_t port) -> tl::expected<void, Error> {
     std::string words[] = {program.string(), "network", "--join",
                            fmt::format("127.0.0.1:{}", port)};
@@ -249,8 +250,7 @@ tl::expected<agents::NetworkMetrics, Error> runNetworkInProcesses(
                          nullptr};
     for (std::uint32_t c = 0; c < settings.clients; ++c) {
       pid_t child = 0;
-      const int fault =
-          posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments, environ);
+      const int fault = posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments, environ);
       if (fault != 0) {
         return broken(fmt::format("cannot start {} as a crowd client ({}).", program.string(),
                                   std::strerror(fault)));

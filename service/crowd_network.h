@@ -42,6 +42,6 @@ struct NetworkHost {
 /// network --join 127.0.0.1:PORT`. None is left behind.
 [[nodiscard]] tl::expected<agents::NetworkMetrics, Error> runNetworkInProcesses(
     const agents::CrowdScene& scene, const agents::NetworkSettings& settings, double seconds,
-    const std::filesystem::path& program);
+    const std::filesystem::path& program, double patience = 20.0);
 
 }  // namespace forewalk::service

@@ -28,8 +28,9 @@ class Writer {
 
   template <typename T>
   void number(const T& value) {
-    using Bits = std::conditional_t<sizeof(T) == 1, std::uint8_t,
-                                    std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>;
+    using Bits =
+        std::conditional_t<sizeof(T) == 1, std::uint8_t,
+                           std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>;
     static_assert(sizeof(Bits) == sizeof(T));
     Bits bits;
     std::memcpy(&bits, &value, sizeof bits);
@@ -86,16 +87,17 @@ class Reader {
  private:
   template <typename T>
   void read(T& value) {
-    using Bits = std::conditional_t<sizeof(T) == 1, std::uint8_t,
-                                    std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>;
+    using Bits =
+        std::conditional_t<sizeof(T) == 1, std::uint8_t,
+                           std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>;
     Bits bits = 0;
     if (left() < sizeof bits) {
       at_ = bytes_.size();
       fail(fmt::format("it ends after {} bytes, in the middle of a number", bytes_.size()));
     } else {
       for (std::size_t k = 0; k < sizeof bits; ++k) {
-        bits = static_cast<Bits>(bits | static_cast<Bits>(static_cast<Bits>(bytes_[at_ + k])
-                                                          << (8 * k)));
+        bits = static_cast<Bits>(bits |
+                                 static_cast<Bits>(static_cast<Bits>(bytes_[at_ + k]) << (8 * k)));
       }
       at_ += sizeof bits;
     }
@@ -113,9 +115,7 @@ void point(Io& io, V& value) {
 }
 
 template <typename Io, typename V>
-void fields(Io& io, V& message)
-  requires(std::is_same_v<std::remove_const_t<V>, NetworkWelcome>)
-{
+void fields(Io& io, V& message) requires(std::is_same_v<std::remove_const_t<V>, NetworkWelcome>) {
   std::uint32_t version = kVersion;
   io.number(version);
   io.number(message.client);
@@ -168,9 +168,7 @@ void fields(Io& io, V& message)
 }
 
 template <typename Io, typename V>
-void fields(Io& io, V& message)
-  requires(std::is_same_v<std::remove_const_t<V>, NetworkSnapshot>)
-{
+void fields(Io& io, V& message) requires(std::is_same_v<std::remove_const_t<V>, NetworkSnapshot>) {
   io.number(message.tick);
   io.number(message.answered);
   io.list(message.states, 24, [&](auto& state) {
@@ -194,9 +192,7 @@ void fields(Io& io, V& message)
 }
 
 template <typename Io, typename V>
-void fields(Io& io, V& message)
-  requires(std::is_same_v<std::remove_const_t<V>, NetworkCommand>)
-{
+void fields(Io& io, V& message) requires(std::is_same_v<std::remove_const_t<V>, NetworkCommand>) {
   io.number(message.number);
   io.list(message.motions, 16, [&](auto& motion) {
     io.number(motion.agent);
@@ -206,9 +202,7 @@ void fields(Io& io, V& message)
 }
 
 template <typename Io, typename V>
-void fields(Io&, V&)
-  requires(std::is_empty_v<V>)
-{}
+void fields(Io&, V&) requires(std::is_empty_v<V>) {}
 
 template <typename Message>
 tl::expected<NetworkMessage, Error> read(std::span<const std::byte> rest) {
@@ -248,8 +242,8 @@ tl::expected<NetworkMessage, Error> decode(std::span<const std::byte> payload) {
     case 5:
       return read<NetworkBye>(rest);
     default:
-      return tl::unexpected(damaged(fmt::format("it is of kind {}; 1 to 5 are known.",
-                                                static_cast<unsigned>(payload[0]))));
+      return tl::unexpected(damaged(
+          fmt::format("it is of kind {}; 1 to 5 are known.", static_cast<unsigned>(payload[0]))));
   }
 }
 

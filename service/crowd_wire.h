@@ -40,9 +40,9 @@ inline constexpr std::uint32_t kLongestMessage = 4u << 20;  ///< bytes of payloa
 /// Replaces `bytes` with the frame of `message`, length included.
 void encode(const NetworkMessage& message, std::vector<std::byte>& bytes);
 
-/// The message of a payload (without its length). Fails when it is of an unknown kind, ends early or
-/// late, counts more than it holds, or a number is not finite (kDataDamaged), or a welcome speaks
-/// another version (kFormatUnsupported). Costs and allocates no more than O(size).
+/// The message of a payload (without its length). Fails when it is of an unknown kind, ends early
+/// or late, counts more than it holds, or a number is not finite (kDataDamaged), or a welcome
+/// speaks another version (kFormatUnsupported). Costs and allocates no more than O(size).
 [[nodiscard]] tl::expected<NetworkMessage, Error> decode(std::span<const std::byte> payload);
 
 /// The length of the payload that follows these four bytes. Fails when it is 0 or beyond

@@ -145,8 +145,9 @@ tl::expected<void, Error> run(const NetworkOptions& options) {
 
 Verb addNetwork(CLI::App& program) {
   CLI::App* verb = program.add_subcommand(
-      "network", "Walk a crowd over a network: its agents in clients, paths and contacts in the "
-                 "server, messages delayed and lost on purpose");
+      "network",
+      "Walk a crowd over a network: its agents in clients, paths and contacts in the "
+      "server, messages delayed and lost on purpose");
   const auto options = std::make_shared<NetworkOptions>();
   verb->add_option("--scene", options->scene, "18 virtual agents each; city-block has 3 humans")
       ->check(CLI::IsMember({"city-block", "meeting"}))
@@ -172,7 +173,8 @@ Verb addNetwork(CLI::App& program) {
       ->capture_default_str();
   verb->add_flag("--processes", options->processes,
                  "Each client a process of its own, over TCP; the result is the same");
-  verb->add_option("--listen", options->listen, "Wait at this port for clients that come with --join")
+  verb->add_option("--listen", options->listen,
+                   "Wait at this port for clients that come with --join")
       ->check(CLI::Range(1, 65535));
   verb->add_option("--join", options->join, "Be a client of the server at ADDRESS:PORT");
   verb->add_flag("--table", options->table,

@@ -152,7 +152,8 @@ TEST(Network, DrivesItsHumansAndNobodyElseMovesThem) {
   for (std::uint32_t c = 0; c < 2; ++c) clients.emplace_back(session->welcome(c));
   std::vector<float> walked(3, 0.0f);
   std::vector<glm::vec2> last;
-  for (int k = 0; k < 3; ++k) last.push_back(scene.agents[static_cast<std::size_t>(k)].spec.position);
+  for (int k = 0; k < 3; ++k)
+    last.push_back(scene.agents[static_cast<std::size_t>(k)].spec.position);
   for (int tick = 0; tick < 400; ++tick) {
     session->stepServer();
     for (std::uint32_t c = 0; c < 2; ++c) {

@@ -1,5 +1,5 @@
-// The messages of a networked crowd from any bytes; what is accepted is written back as it came, and
-// neither a client nor a server is harmed by it.
+// The messages of a networked crowd from any bytes; what is accepted is written back as it came,
+// and neither a client nor a server is harmed by it.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
