@@ -12,6 +12,7 @@
 #include "rdw/motion.h"
 #include "rdw/redirector.h"
 #include "rdw/tracked_space.h"
+#include "rdw/ways_ahead.h"
 
 namespace forewalk::rdw {
 
@@ -24,6 +25,7 @@ struct SteerInput {
   const GainLimits& limits;
   const Redirection& redirection;            ///< physical to virtual, before this frame's gains
   const prediction::PredictionGraph* graph;  ///< this frame's; null where none was predicted
+  WayLikelihoods likelihoods = {};           ///< of its ways; empty unless wantsLikelihoods()
 };
 
 /// Picks gains, frame by frame. Keeps its own memory, allocates nothing in a frame.
@@ -46,6 +48,9 @@ class Controller {
 
   /// Whether it reads the graph; where not, nobody needs to predict.
   virtual bool wantsPrediction() const = 0;
+
+  /// Whether it reads how likely the graph's ways are. Only with wantsPrediction().
+  virtual bool wantsLikelihoods() const { return false; }
 };
 
 /// none, s2c, s2o, s2c-predictive, s2o-predictive, in this order.

@@ -72,6 +72,9 @@ Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings se
   frontIndex_ = std::move(prepared.frontIndex);
   frontScratch_ = std::move(prepared.frontScratch);
   states_ = std::move(prepared.states);
+  if (controller_->wantsLikelihoods()) {
+    likelihood_ = std::make_unique<prediction::WayLikelihood>(settings_.likelihood);
+  }
 }
 
 Session::Session(Session&&) noexcept = default;
@@ -141,6 +144,7 @@ bool Session::teleport(const VirtualStart& to) {
   pending_ = PlanarPose{glm::dvec2(place->plan), wrapAngle(static_cast<double>(to.heading))};
   groundTaken_ = false;
   controller_->restart();
+  if (likelihood_ != nullptr) likelihood_->restart();
   return true;
 }
 
@@ -153,6 +157,7 @@ void Session::enter(PreparedWorld& next) {
   std::swap(frontScratch_, next.frontScratch);
   std::swap(states_, next.states);
   result_.graph = nullptr;
+  result_.likelihoods = {};
   if (location_.polygon == navmesh::kNoPolygon) return;
   // From where the user stood on the old ground: heads and walls beside it are the frame's matter.
   const auto place = nearestGround(location_.position());
@@ -228,6 +233,7 @@ void Session::placeOnFloor() {
 
 void Session::predict() {
   result_.graph = nullptr;
+  result_.likelihoods = {};
   if (!settings_.alwaysPredict && !controller_->wantsPrediction()) return;
   const prediction::PredictionGraph& graph =
       frontScratch_ != nullptr
@@ -237,6 +243,12 @@ void Session::predict() {
                                 states_.get());
   if ((graph.flags & prediction::kPolygonLimit) != 0) result_.flags |= kGraphLimit;
   result_.graph = &graph;
+  if (likelihood_ == nullptr) return;
+  // Who is turned round by a reset looks everywhere and means nothing by it.
+  prediction::Evidence evidence{result_.motion.dt, std::nullopt, std::nullopt};
+  if (!reset_.state().turning) evidence.head = directionOf(result_.virtualPlan.heading);
+  likelihood_->update(graph, evidence);
+  result_.likelihoods = {likelihood_->probabilities(), likelihood_->none()};
 }
 
 const FrameResult& Session::steer() {
@@ -252,9 +264,9 @@ const FrameResult& Session::steer() {
     applied = redirector_.turnWorld(physical_, step.yaw);
   } else {
     if (motion.usable()) {
-      result_.gains =
-          controller_->steer({motion, result_.physical, result_.virtualPlan, settings_.space,
-                              settings_.limits, redirector_.redirection(), result_.graph});
+      result_.gains = controller_->steer(
+          {motion, result_.physical, result_.virtualPlan, settings_.space, settings_.limits,
+           redirector_.redirection(), result_.graph, result_.likelihoods});
     } else if ((motion.flags & kTimeStoodStill) == 0) {
       controller_->restart();
     }

@@ -15,6 +15,7 @@
 #include "navmesh/polygon_states.h"
 #include "navmesh/world.h"
 #include "prediction/front_graph.h"
+#include "prediction/likelihood.h"
 #include "prediction/predict.h"
 #include "rdw/controller.h"
 #include "rdw/gains.h"
@@ -43,6 +44,9 @@ struct SessionSettings {
   /// How the graph is made (prediction_graph.h), and what graphs by fronts take for a way.
   prediction::Method method = prediction::Method::kPolygon;
   prediction::FrontSettings front;
+
+  /// Which way people take, for controllers that want to know.
+  prediction::LikelihoodParameters likelihood;
 
   /// For graphs by fronts: the world's index, where it has been made for another session already.
   /// None: the session makes its own.
@@ -105,6 +109,7 @@ struct FrameResult {
   std::uint32_t flags = kFrameSound;  ///< of FrameFlags
   navmesh::Location location;  ///< the user's feet on the navmesh; kNoPolygon until first found
   const prediction::PredictionGraph* graph = nullptr;  ///< this frame's; null where none was made
+  WayLikelihoods likelihoods;  ///< of its ways; empty where the controller does not want them
 };
 
 class Session {
@@ -178,6 +183,7 @@ class Session {
   std::shared_ptr<const prediction::FrontIndex> frontIndex_;
   std::unique_ptr<prediction::FrontScratch> frontScratch_;  // by fronts, else null
   std::shared_ptr<const navmesh::PolygonStates> states_;    // null: all is open
+  std::unique_ptr<prediction::WayLikelihood> likelihood_;   // null: not wanted
   MotionTracker tracker_;
   Redirector redirector_;
   Reset reset_;
