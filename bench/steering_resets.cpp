@@ -67,6 +67,9 @@ tl::unexpected<Error> refused(std::string message) {
   return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
 }
 
+// NAME or NAME+ahead: with the reset that looks ahead.
+std::string controllerOf(const std::string& name) { return name.substr(0, name.find('+')); }
+
 // WxD, metres; L: 8 m x 8 m without a quarter; furnished: 6 m x 6 m with two pieces of furniture.
 tl::expected<rdw::TrackedSpace, Error> roomOf(const std::string& name) {
   using Ring = std::vector<glm::dvec2>;
@@ -92,7 +95,9 @@ tl::expected<Campaign, Error> campaignOf(const Options& options) {
   campaign.scenes = CLI::detail::split(options.scenes, ',');
   campaign.controllers = CLI::detail::split(options.controllers, ',');
   for (const std::string& name : campaign.controllers) {
-    if (auto made = rdw::makeController(name); !made) return tl::unexpected(made.error());
+    if (auto made = rdw::makeController(controllerOf(name)); !made) {
+      return tl::unexpected(made.error());
+    }
   }
   for (const std::string& name : campaign.limits) {
     const auto limits = rdw::gainLimitsByName(name);
@@ -125,7 +130,9 @@ void walkOne(const Campaign& campaign, const Options& options, Walk& walk) {
   rdw::SimulationConfig config;
   config.session.space = campaign.spaceOf[walk.room];
   config.session.limits = campaign.limitsOf[walk.limits];
-  config.session.controller = campaign.controllers[walk.controller];
+  const std::string& name = campaign.controllers[walk.controller];
+  config.session.controller = controllerOf(name);
+  config.session.resetAhead = controllerOf(name) != name;
   config.session.horizon = options.horizon;
   config.session.method = options.method;
   config.session.frontIndex = campaign.frontsOf[walk.scene];

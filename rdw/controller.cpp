@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "rdw/foresight.h"
 #include "rdw/predictive.h"
 #include "rdw/steer_to.h"
 
@@ -11,8 +12,8 @@ namespace forewalk::rdw {
 
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames{"none", "s2c", "s2o", "s2c-predictive",
-                                                 "s2o-predictive"};
+constexpr std::array<std::string_view, 6> kNames{
+    "none", "s2c", "s2o", "s2c-predictive", "s2o-predictive", "foresight"};
 
 }  // namespace
 
@@ -24,6 +25,7 @@ tl::expected<std::unique_ptr<Controller>, Error> makeController(std::string_view
   if (name == kNames[2]) return makeReactive(SteerRule::kOrbit);
   if (name == kNames[3]) return makePredictive(SteerRule::kCentre);
   if (name == kNames[4]) return makePredictive(SteerRule::kOrbit);
+  if (name == kNames[5]) return makeForesight();
   std::string known;
   for (std::string_view each : kNames) known += (known.empty() ? "" : ", ") + std::string(each);
   return tl::unexpected(

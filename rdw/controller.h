@@ -51,9 +51,12 @@ class Controller {
 
   /// Whether it reads how likely the graph's ways are. Only with wantsPrediction().
   virtual bool wantsLikelihoods() const { return false; }
+
+  /// Whether it steers where there is no graph to read, as on an open plane.
+  virtual bool steersWithoutGraph() const { return !wantsPrediction(); }
 };
 
-/// none, s2c, s2o, s2c-predictive, s2o-predictive, in this order.
+/// none, s2c, s2o, s2c-predictive, s2o-predictive, foresight, mpcred, force, in this order.
 std::span<const std::string_view> controllerNames();
 
 /// Fails (kSettingOutOfRange) for an unknown name; the message lists the known ones.

@@ -32,7 +32,9 @@ bool Reset::setsOffTowardBorder(const Motion& motion, glm::dvec2 physical,
   constexpr double kSlowest = 0.1;  // m/s; slower steps are those of standing
   // A corner can leave no way out but along a wall: nobody is turned back and forth there for ever.
   constexpr int kMostInARow = 3;
-  if (resetsSinceWalk_ >= kMostInARow || !motion.usable() || !(motion.distance > kSlowest * motion.dt)) return false;
+  if (resetsSinceWalk_ >= kMostInARow || !motion.usable() ||
+      !(motion.distance > kSlowest * motion.dt))
+    return false;
   const double free = space.distanceAlong(physical, motion.step / motion.distance);
   return free <= settings_.clearance + motion.distance;
 }
@@ -52,6 +54,14 @@ bool Reset::mustStop(const Motion& motion, glm::dvec2 physical, const TrackedSpa
   return free <= stop;
 }
 
+void Reset::aim(double turn) {
+  if (!state_.turning) return;
+  goal_ = std::abs(turn) > kPi - 1e-9 ? 0.0 : turn > 0.0 ? turn - 2.0 * kPi : turn + 2.0 * kPi;
+  if (goal_ == 0.0) return;
+  state_.remaining = std::abs(goal_);
+  state_.direction = goal_ > 0.0 ? 1 : -1;
+}
+
 Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space) {
   Step step;
   const bool stop = mustStop(motion, physical, space, step);
@@ -61,6 +71,7 @@ Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const Tracke
     if (stop && motion.usable()) {
       // The turn of this very frame belongs to the walk; the reset counts from the next one.
       state_.turning = true;
+      goal_ = 0.0;
       state_.remaining = kPi;
       state_.instruction = ResetInstruction::kTurnAround;
       step.began = true;
@@ -74,6 +85,20 @@ Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const Tracke
   if (!motion.usable()) return step;  // heads that jumped or times that stood still turn nothing
 
   const double before = state_.progress;
+  if (goal_ != 0.0) {
+    const double size = std::abs(goal_);
+    const double after =
+        std::clamp(before + motion.turn, goal_ > 0.0 ? -kPi : -size, goal_ > 0.0 ? size : kPi);
+    step.yaw = (after - before) * (2.0 * kPi / size - 1.0);
+    state_.progress = after;
+    state_.remaining = std::abs(goal_ - after);
+    state_.instruction = ResetInstruction::kKeepTurning;
+    if (state_.remaining <= 0.0) {
+      state_ = ResetState{};
+      step.ended = true;
+    }
+    return step;
+  }
   const double after = std::clamp(before + motion.turn, -kPi, kPi);
   step.yaw = after - before;
   state_.progress = after;

@@ -71,6 +71,11 @@ class Reset {
   /// while turning are passed on unscaled. O(corners), allocates nothing.
   Step frame(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space);
 
+  /// Turns the reset that has just begun: the body shall be turned by `turn` radians, (-pi, pi],
+  /// in the end. It is turned the long way round, by pi to 2 pi, so that the world turns with it by
+  /// no more than one radian a radian, and the user has seen a full turn.
+  void aim(double turn);
+
   const ResetState& state() const { return state_; }
   std::uint64_t count() const { return count_; }  ///< resets begun
 
@@ -86,6 +91,7 @@ class Reset {
   ResetSettings settings_;
   ResetState state_;
   std::uint64_t count_ = 0;
+  double goal_ = 0.0;  ///< physical turn of the reset under way, left positive; 0: pi either way
   int resetsSinceWalk_ = 0;  ///< begun since the user last walked
 };
 

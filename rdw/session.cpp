@@ -75,6 +75,10 @@ Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings se
   if (controller_->wantsLikelihoods()) {
     likelihood_ = std::make_unique<prediction::WayLikelihood>(settings_.likelihood);
   }
+  if (settings_.resetAhead) {
+    space_ = std::make_unique<TrackedSpace>(settings_.space);
+    resetAhead_ = std::make_unique<ResetAhead>(*space_, settings_.limits);
+  }
 }
 
 Session::Session(Session&&) noexcept = default;
@@ -234,7 +238,7 @@ void Session::placeOnFloor() {
 void Session::predict() {
   result_.graph = nullptr;
   result_.likelihoods = {};
-  if (!settings_.alwaysPredict && !controller_->wantsPrediction()) return;
+  if (settings_.openPlane || (!settings_.alwaysPredict && !controller_->wantsPrediction())) return;
   const prediction::PredictionGraph& graph =
       frontScratch_ != nullptr
           ? prediction::predictFronts(world_->graph, location_, settings_.horizon, *frontScratch_,
@@ -251,6 +255,19 @@ void Session::predict() {
   result_.likelihoods = {likelihood_->probabilities(), likelihood_->none()};
 }
 
+void Session::aimReset() {
+  const Motion& motion = result_.motion;
+  const glm::dvec2 ahead =
+      motion.walking ? motion.walkingDirection : directionOf(result_.physical.heading);
+  // They stop a little further on.
+  const double stop =
+      motion.walking ? reset_.stoppingDistance(motion.speed) - settings_.reset.clearance : 0.0;
+  const double target = resetAhead_->heading({result_.physical.position + stop * ahead,
+                                              redirector_.redirection().directionToVirtual(ahead),
+                                              result_.graph, result_.likelihoods});
+  reset_.aim(wrapAngle(target - headingOf(ahead)));
+}
+
 const FrameResult& Session::steer() {
   const Motion& motion = result_.motion;
   Reset::Step step;
@@ -259,7 +276,10 @@ const FrameResult& Session::steer() {
   result_.gains = Gains{};
   Applied applied;
   if (step.began || step.ended || reset_.state().turning) {
-    if (step.began) controller_->restart();
+    if (step.began) {
+      controller_->restart();
+      if (resetAhead_ != nullptr) aimReset();
+    }
     if (!step.began) result_.gains.rotation = 2.0f;
     applied = redirector_.turnWorld(physical_, step.yaw);
   } else {

@@ -22,6 +22,7 @@
 #include "rdw/motion.h"
 #include "rdw/redirector.h"
 #include "rdw/reset.h"
+#include "rdw/reset_ahead.h"
 #include "rdw/tracked_space.h"
 
 namespace forewalk::rdw {
@@ -40,6 +41,9 @@ struct SessionSettings {
 
   /// Predict in every frame, even where the controller does not ask (to draw it, to compare costs).
   bool alwaysPredict = true;
+
+  /// The world is an open plane without ways: nothing is predicted, whoever asks.
+  bool openPlane = false;
 
   /// How the graph is made (prediction_graph.h), and what graphs by fronts take for a way.
   prediction::Method method = prediction::Method::kPolygon;
@@ -67,7 +71,8 @@ struct SessionSettings {
   prediction::PredictionLimits prediction;
   MotionSettings motion;
   ResetSettings reset;
-  bool resets = true;  ///< false: nobody is ever stopped (for looking at controllers alone)
+  bool resetAhead = false;  ///< resets turn to where the ways ahead fit best (reset_ahead.h)
+  bool resets = true;       ///< false: nobody is ever stopped (for looking at controllers alone)
 };
 
 /// Another world to walk in, with all that a session needs to do so: made off the frame, so that
@@ -174,6 +179,7 @@ class Session {
   Session(std::shared_ptr<const navmesh::World> world, SessionSettings settings,
           std::unique_ptr<Controller> controller);
   void placeOnFloor();
+  void aimReset();
   std::optional<navmesh::Location> nearestGround(glm::vec3 feet) const;
 
   std::shared_ptr<const navmesh::World> world_;
@@ -187,7 +193,9 @@ class Session {
   MotionTracker tracker_;
   Redirector redirector_;
   Reset reset_;
-  HeadPose physical_;                  ///< the last sound one
+  std::unique_ptr<const TrackedSpace> space_;  // of resetAhead_, which refers to it
+  std::unique_ptr<ResetAhead> resetAhead_;     // null: resets turn round
+  HeadPose physical_;                          ///< the last sound one
   std::optional<PlanarPose> pending_;  ///< virtual pose that the next frame's head is put at
   navmesh::Location location_;
   bool groundTaken_ = false;  ///< since a change of the world

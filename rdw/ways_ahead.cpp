@@ -224,6 +224,7 @@ WaysAhead waysAhead(const PredictionGraph* graph, const WayLikelihoods& likeliho
     ahead.meanTurn += way.weight * turnsOf(way);
   }
   ahead.meanDirection = unit(mean / total);
+  ahead.known = true;
   return ahead;
 }
 

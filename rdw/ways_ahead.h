@@ -57,6 +57,7 @@ struct WaysAhead {
   int count = 0;
   glm::dvec2 meanDirection{
       0.0};               ///< virtual, of the mean way ahead; unit, or zero where ways cancel out
+  bool known = false;     ///< some way of the graph is among them
   double meanTurn = 0.0;  ///< expected sum of the turns ahead, virtual radians, left positive
 };
 
