@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "rdw/reset_policy.h"
 #include "rdw/simulation.h"
 #include "service/cli/method_option.h"
 #include "service/console.h"
@@ -67,8 +68,13 @@ tl::unexpected<Error> refused(std::string message) {
   return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
 }
 
-// NAME or NAME+ahead: with the reset that looks ahead.
+// NAME, with 2:1 turns, or NAME+RESET.
 std::string controllerOf(const std::string& name) { return name.substr(0, name.find('+')); }
+
+std::string resetOf(const std::string& name) {
+  const std::size_t plus = name.find('+');
+  return plus == std::string::npos ? "two-one-turn" : name.substr(plus + 1);
+}
 
 // WxD, metres; L: 8 m x 8 m without a quarter; furnished: 6 m x 6 m with two pieces of furniture.
 tl::expected<rdw::TrackedSpace, Error> roomOf(const std::string& name) {
@@ -98,6 +104,7 @@ tl::expected<Campaign, Error> campaignOf(const Options& options) {
     if (auto made = rdw::makeController(controllerOf(name)); !made) {
       return tl::unexpected(made.error());
     }
+    if (auto made = rdw::makeReset(resetOf(name)); !made) return tl::unexpected(made.error());
   }
   for (const std::string& name : campaign.limits) {
     const auto limits = rdw::gainLimitsByName(name);
@@ -132,7 +139,7 @@ void walkOne(const Campaign& campaign, const Options& options, Walk& walk) {
   config.session.limits = campaign.limitsOf[walk.limits];
   const std::string& name = campaign.controllers[walk.controller];
   config.session.controller = controllerOf(name);
-  config.session.resetAhead = controllerOf(name) != name;
+  config.session.resetPolicy = resetOf(name);
   config.session.horizon = options.horizon;
   config.session.method = options.method;
   config.session.frontIndex = campaign.frontsOf[walk.scene];

@@ -4,7 +4,9 @@
 
 #include <array>
 
+#include "rdw/force.h"
 #include "rdw/foresight.h"
+#include "rdw/mpcred.h"
 #include "rdw/predictive.h"
 #include "rdw/steer_to.h"
 
@@ -12,8 +14,8 @@ namespace forewalk::rdw {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> kNames{
-    "none", "s2c", "s2o", "s2c-predictive", "s2o-predictive", "foresight"};
+constexpr std::array<std::string_view, 8> kNames{
+    "none", "s2c", "s2o", "s2c-predictive", "s2o-predictive", "foresight", "mpcred", "force"};
 
 }  // namespace
 
@@ -26,6 +28,8 @@ tl::expected<std::unique_ptr<Controller>, Error> makeController(std::string_view
   if (name == kNames[3]) return makePredictive(SteerRule::kCentre);
   if (name == kNames[4]) return makePredictive(SteerRule::kOrbit);
   if (name == kNames[5]) return makeForesight();
+  if (name == kNames[6]) return makeMpcred();
+  if (name == kNames[7]) return makeForce();
   std::string known;
   for (std::string_view each : kNames) known += (known.empty() ? "" : ", ") + std::string(each);
   return tl::unexpected(

@@ -8,8 +8,10 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
 
 #include "prediction/prediction_graph.h"
+#include "rdw/reset_policy.h"
 #include "rdw/room_value.h"
 #include "rdw/tracked_space.h"
 #include "rdw/way_search.h"
@@ -19,13 +21,14 @@ namespace forewalk::rdw {
 
 /// What a reset knows when it begins. References live for the call.
 struct ResetAheadInput {
+  const TrackedSpace& space;                 ///< the one it was made for
   glm::dvec2 position;                       ///< physical, where the user will stand
   glm::dvec2 virtualDirection;               ///< unit, where they will walk on after the reset
   const prediction::PredictionGraph* graph;  ///< null: nothing is predicted
   WayLikelihoods likelihoods;
 };
 
-/// Made for one room; `space` has to outlive it.
+/// Made for one room.
 class ResetAhead {
  public:
   ResetAhead(const TrackedSpace& space, const GainLimits& limits, bool translation = true);
@@ -37,10 +40,12 @@ class ResetAhead {
 
  private:
   static constexpr int kHeadings = 36;
-  const TrackedSpace* space_;
   GainLimits limits_;
   RoomValueSettings building_, plane_;
   RoomValue buildingRoom_, planeRoom_;
 };
+
+/// The same as a reset (`ahead`): turns by the longer way round, a virtual turn of 360 degrees.
+std::unique_ptr<ResetPolicy> makeResetAhead();
 
 }  // namespace forewalk::rdw

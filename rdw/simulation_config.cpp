@@ -67,14 +67,28 @@ void readLimits(Fields& file, GainLimits& limits) {
   fields.finish();
 }
 
-void readReset(Fields& file, ResetSettings& reset) {
-  const Json* object = file.find("reset");
-  if (object == nullptr) return;
-  Fields fields(*object, "reset.", file.problem());
+void readResetPolicy(Fields& fields, std::string_view name, std::string& policy) {
+  const std::span<const std::string_view> names = resetNames();
+  std::size_t chosen = names.size();
+  fields.word(name, names, chosen);
+  if (chosen < names.size()) policy = names[chosen];
+}
+
+void readReset(Fields& file, SessionSettings& session) {
+  const Json* field = file.find("reset");
+  if (field == nullptr) return;
+  if (field->is_string()) return readResetPolicy(file, "reset", session.resetPolicy);
+  ResetSettings& reset = session.reset;
+  Fields fields(*field, "reset.", file.problem());
+  readResetPolicy(fields, "policy", session.resetPolicy);
   fields.number("reaction_s", 0.0, 10.0, reset.reactionTime);
   fields.number("deceleration_m_per_s2", 0.1, 1e9, reset.deceleration);
   fields.number("clearance_m", 0.0, 100.0, reset.clearance);
   fields.number("warning_s", 0.0, 60.0, reset.warningTime);
+  static constexpr std::string_view kTriggers[] = {"ahead", "border"};
+  auto trigger = static_cast<std::size_t>(reset.trigger);
+  fields.word("trigger", kTriggers, trigger);
+  reset.trigger = static_cast<ResetTrigger>(trigger);
   fields.finish();
 }
 
@@ -218,10 +232,14 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   fields.word("method", kMethods, method);
   session.method = static_cast<prediction::Method>(method);
   fields.number("persistence_m", 0.0, 100.0, session.front.persistence);
+  static constexpr std::string_view kHeadings[] = {"head", "chest", "walking"};
+  auto heading = static_cast<std::size_t>(session.heading);
+  fields.word("heading", kHeadings, heading);
+  session.heading = static_cast<HeadingSource>(heading);
   fields.number("rate_hz", 5.0, 1000.0, simulation.rate);
   fields.integer("seed", 0, ~std::uint64_t{0}, simulation.seed);
   fields.boolean("resets", session.resets);
-  readReset(fields, session.reset);
+  readReset(fields, session);
   readStop(fields, simulation.stop);
   readUser(fields, file);
   readStart(fields, simulation.start);
