@@ -68,9 +68,11 @@ class Mpcred final : public Controller {
     // The likeliest ways only: the tree has few branches.
     std::array<int, WaysAhead::kMost> order{};
     for (int i = 0; i < ahead.count; ++i) order[static_cast<std::size_t>(i)] = i;
-    std::stable_sort(order.begin(), order.begin() + ahead.count, [&](int a, int b) {
-      return ahead.ways[static_cast<std::size_t>(a)].weight >
-             ahead.ways[static_cast<std::size_t>(b)].weight;
+    // Of equally likely ones the first; std::stable_sort would allocate.
+    std::sort(order.begin(), order.begin() + ahead.count, [&](int a, int b) {
+      const double weightA = ahead.ways[static_cast<std::size_t>(a)].weight;
+      const double weightB = ahead.ways[static_cast<std::size_t>(b)].weight;
+      return weightA != weightB ? weightA > weightB : a < b;
     });
     const int branches = std::min(ahead.count, settings_.branches);
     const double heading = headingOf(input.redirection.directionToPhysical(travel));
