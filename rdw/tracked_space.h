@@ -47,7 +47,8 @@ class TrackedSpace {
       std::span<const glm::dvec2> border, std::span<const std::vector<glm::dvec2>> holes = {});
 
   /// Reads `forewalk.space/1`: {"format": "forewalk.space/1", and one of "rectangle": [w, d],
-  /// "circle": r, "polygon": [[x, z], ...] with optional "holes": [[[x, z], ...], ...]}.
+  /// "circle": r, "polygon": [[x, z], ...] with optional "holes": [[[x, z], ...], ...], "shape":
+  /// "L" with "area_m2": 50 (room_shapes.h)}.
   /// Coordinates are world x and z, metres. Fails as above, with the line for malformed JSON.
   static tl::expected<TrackedSpace, Error> fromJson(std::string_view text);
 
