@@ -61,9 +61,9 @@ tl::expected<std::unique_ptr<ResetPolicy>, Error> makeReset(std::string_view nam
   }
   std::string known;
   for (std::string_view each : kNames) known += (known.empty() ? "" : ", ") + std::string(each);
-  return tl::unexpected(Error{ErrorCode::kSettingOutOfRange,
-                              fmt::format("reset \"{}\" is not known, use one of {}.", name,
-                                          known)});
+  return tl::unexpected(
+      Error{ErrorCode::kSettingOutOfRange,
+            fmt::format("reset \"{}\" is not known, use one of {}.", name, known)});
 }
 
 }  // namespace forewalk::rdw

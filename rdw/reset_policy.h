@@ -24,11 +24,11 @@ namespace forewalk::rdw {
 struct ResetPlan {
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  double left = kPi;         ///< physical radians, >= 0; kNever: not this way round
-  double right = kPi;        ///< the same to the right; one of them is finite
-  double seen = 2.0 * kPi;   ///< virtual radians either way: whole turns, or 0 (frozen)
-  double back = 0.0;         ///< metres, >= 0
-  bool frozen = false;       ///< steps and turns move nothing virtually while it lasts
+  double left = kPi;        ///< physical radians, >= 0; kNever: not this way round
+  double right = kPi;       ///< the same to the right; one of them is finite
+  double seen = 2.0 * kPi;  ///< virtual radians either way: whole turns, or 0 (frozen)
+  double back = 0.0;        ///< metres, >= 0
+  bool frozen = false;      ///< steps and turns move nothing virtually while it lasts
 };
 
 /// Which way the user of this frame goes in the room, a unit vector: the direction of travel, of

@@ -13,8 +13,8 @@ namespace forewalk::rdw {
 /// cross (five squares), L (three), T (four).
 std::span<const std::string_view> roomShapeNames();
 
-/// The shape with `area` m^2 of floor and its centroid at the origin. Fails (kSettingOutOfRange) for
-/// an unknown name, naming the known ones, and for an area outside [1, 1e6] m^2.
+/// The shape with `area` m^2 of floor and its centroid at the origin. Fails (kSettingOutOfRange)
+/// for an unknown name, naming the known ones, and for an area outside [1, 1e6] m^2.
 [[nodiscard]] tl::expected<TrackedSpace, Error> roomShape(std::string_view name, double area);
 
 }  // namespace forewalk::rdw

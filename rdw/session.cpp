@@ -295,11 +295,10 @@ double Session::heading() const {
 const FrameResult& Session::steer() {
   const Motion& motion = result_.motion;
   const PlanarPose physical{result_.physical.position, heading()};
-  const PlanarPose seen{
-      result_.virtualPlan.position,
-      settings_.heading == HeadingSource::kHead
-          ? result_.virtualPlan.heading
-          : wrapAngle(physical.heading + redirector_.redirection().yaw)};
+  const PlanarPose seen{result_.virtualPlan.position,
+                        settings_.heading == HeadingSource::kHead
+                            ? result_.virtualPlan.heading
+                            : wrapAngle(physical.heading + redirector_.redirection().yaw)};
   const SteerInput input{motion,
                          physical,
                          seen,

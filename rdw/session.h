@@ -39,7 +39,7 @@ struct SessionSettings {
   GainLimits limits;
   std::string controller = "s2c-predictive";  ///< of controllerNames()
   ControllerMaker makeController;  ///< one of your own, instead; empty: `controller` counts
-  float horizon = 10.0f;  ///< of prediction, metres along the virtual path, (0, 1000]
+  float horizon = 10.0f;           ///< of prediction, metres along the virtual path, (0, 1000]
 
   /// Predict in every frame, even where the controller does not ask (to draw it, to compare costs).
   bool alwaysPredict = true;
@@ -77,7 +77,7 @@ struct SessionSettings {
   ResetSettings reset;
   std::string resetPolicy = "two-one-turn";  ///< of resetNames()
   ResetMaker makeReset;  ///< one of your own, instead; empty: `resetPolicy` counts
-  bool resets = true;  ///< false: nobody is ever stopped (for looking at controllers alone)
+  bool resets = true;    ///< false: nobody is ever stopped (for looking at controllers alone)
 };
 
 /// Another world to walk in, with all that a session needs to do so: made off the frame, so that
@@ -125,8 +125,8 @@ struct FrameResult {
 class Session {
  public:
   /// Fails (kSettingOutOfRange, kPositionOffNavMesh) when a setting cannot work: an unknown
-  /// controller or reset, limits out of range, a horizon outside (0, 1000] m, a persistence outside [0, 100]
-  /// m, or a start more than snap.distance beside the navmesh.
+  /// controller or reset, limits out of range, a horizon outside (0, 1000] m, a persistence outside
+  /// [0, 100] m, or a start more than snap.distance beside the navmesh.
   static tl::expected<Session, Error> make(std::shared_ptr<const navmesh::World> world,
                                            SessionSettings settings);
 
@@ -211,7 +211,7 @@ class Session {
   SteeringHold hold_;
   double resetGain_ = 2.0;  // of the reset under way
   std::vector<OtherUser> others_;
-  double chest_;  // NaN: unknown
+  double chest_;                       // NaN: unknown
   HeadPose physical_;                  ///< the last sound one
   std::optional<PlanarPose> pending_;  ///< virtual pose that the next frame's head is put at
   navmesh::Location location_;

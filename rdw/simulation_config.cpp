@@ -32,8 +32,8 @@ void readSpace(Fields& file, SimulationFile& into) {
   }
   if (!field->is_object()) return file.wrongKind("space", "the name of a file, or an object {...}");
   Fields fields(*field, "space.", file.problem());
-  for (const std::string_view name : {"format", "rectangle", "circle", "polygon", "holes",
-                                      "shape", "area_m2"})
+  for (const std::string_view name :
+       {"format", "rectangle", "circle", "polygon", "holes", "shape", "area_m2"})
     fields.find(name);
   fields.finish();
   const tl::expected<TrackedSpace, Error> made = spaceFromJson(*field);
@@ -146,9 +146,8 @@ void readUser(Fields& file, SimulationFile& into) {
         "user is missing: say who walks, for example {\"kind\": \"wander\"}.");
   }
   Fields fields(*object, "user.", file.problem());
-  static constexpr std::string_view kKinds[] = {"waypoints", "wander",       "legs",
-                                                "recorded",  "sawtooth",     "circle",
-                                                "figure-eight", "corridors"};
+  static constexpr std::string_view kKinds[] = {"waypoints", "wander", "legs",         "recorded",
+                                                "sawtooth",  "circle", "figure-eight", "corridors"};
   std::size_t kind = std::size(kKinds);
   fields.word("kind", kKinds, kind);
   switch (kind) {

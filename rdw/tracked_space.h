@@ -92,7 +92,10 @@ class TrackedSpace {
   double area() const { return area_; }             ///< free floor, m^2
   glm::dvec2 lowerBound() const { return lower_; }  ///< corners of the bounding box, plan
   glm::dvec2 upperBound() const { return upper_; }
-  double shorterSide() const;  ///< of the bounding box, metres
+
+  /// The least width of the border, seen along any of its edges, metres: the shorter side of a
+  /// rectangle, however it stands.
+  double shorterSide() const { return shorterSide_; }
 
   /// Rings: 0 is the border, the rest are holes. Lives as long as the space.
   std::size_t ringCount() const { return ringStart_.size() - 1; }
@@ -112,6 +115,7 @@ class TrackedSpace {
   glm::dvec2 upper_{0.0};
   double clearance_ = 0.0;
   double area_ = 0.0;
+  double shorterSide_ = 0.0;
 };
 
 }  // namespace forewalk::rdw

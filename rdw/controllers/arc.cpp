@@ -1,12 +1,12 @@
-// ARC, the alignment-based controller. Williams, Bera and Manocha, "ARC: Alignment-based Redirection
-// Controller for Redirected Walking in Complex Environments", TVCG 2021.
+// ARC, the alignment-based controller. Williams, Bera and Manocha, "ARC: Alignment-based
+// Redirection Controller for Redirected Walking in Complex Environments", TVCG 2021.
 //
 // Free ways ahead, left and right, in the room and in the virtual world; A is the sum of their
 // differences. A of nothing: no gains. Translation is the virtual way ahead over the physical one;
 // curvature bends to the side that has more room physically than virtually, by min(1, that much) of
-// the limit; turning is sped up while it makes A smaller, slowed while it makes it larger. We depart
-// in that ways count up to 50 m only (an endless plane has no end), and that the blend of the
-// rotation gain is a time constant that equals their 0.125 at 60 Hz.
+// the limit; turning is sped up while it makes A smaller, slowed while it makes it larger. We
+// depart in that ways count up to 50 m only (an endless plane has no end), and that the blend of
+// the rotation gain is a time constant that equals their 0.125 at 60 Hz.
 #include <algorithm>
 #include <cmath>
 
@@ -17,10 +17,10 @@
 namespace forewalk::rdw {
 namespace {
 
-constexpr double kFarthest = 50.0;                 // metres
-constexpr double kAligned = 0.01;                  // metres
-constexpr double kTurning = 1.5 * kPi / 180.0;     // rad/s
-constexpr double kBlend = 0.125;                   // share of the new at 60 Hz
+constexpr double kFarthest = 50.0;              // metres
+constexpr double kAligned = 0.01;               // metres
+constexpr double kTurning = 1.5 * kPi / 180.0;  // rad/s
+constexpr double kBlend = 0.125;                // share of the new at 60 Hz
 
 class Arc final : public Controller {
  public:
@@ -40,9 +40,8 @@ class Arc final : public Controller {
       return {};
     }
     Gains gains;
-    gains.translation = front.physical > 0.0
-                            ? static_cast<float>(front.seen / front.physical)
-                            : limits.translationMax;
+    gains.translation = front.physical > 0.0 ? static_cast<float>(front.seen / front.physical)
+                                             : limits.translationMax;
     const double leftMore = toLeft.physical - toLeft.seen;
     const double rightMore = toRight.physical - toRight.seen;
     const double side = leftMore > rightMore ? 1.0 : -1.0;
@@ -77,9 +76,9 @@ class Arc final : public Controller {
         kFarthest, freeAlong(input.space, input.others, input.physical.position, direction));
     if (input.world == nullptr || input.place.polygon == navmesh::kNoPolygon)
       return {physical, kFarthest};
-    return {physical, navmesh::sightAlong(input.world->graph, input.place,
-                                          input.redirection.directionToVirtual(direction),
-                                          kFarthest)};
+    return {physical,
+            navmesh::sightAlong(input.world->graph, input.place,
+                                input.redirection.directionToVirtual(direction), kFarthest)};
   }
 
   double misaligned_ = -1.0;  // in the last frame; below 0: none

@@ -1,10 +1,10 @@
 // Dynamic artificial potential fields. Dong, Fu, Zhang, Wu and Liu, "Dynamic Artificial Potential
 // Fields for Multi-User Redirected Walking", IEEE VR 2020.
 //
-// The border pushes as Messinger's (border_force.h). Every other user pushes by k * d / |d|^2.5 from
-// where they are, and by a quarter of that from where they will be a metre further on. Open area
-// pulls: of places on a grid, half a metre to two apart, the one with the most room (borders, and
-// others as they stand) by 1 / (1 + distance) of the mean push, so that it decides where pushes
+// The border pushes as Messinger's (border_force.h). Every other user pushes by k * d / |d|^2.5
+// from where they are, and by a quarter of that from where they will be a metre further on. Open
+// area pulls: of places on a grid, half a metre to two apart, the one with the most room (borders,
+// and others as they stand) by 1 / (1 + distance) of the mean push, so that it decides where pushes
 // cancel out. Theirs pulls by a fixed target in the middle of the largest empty area; the mean push
 // is our unit, so that the size of the room does not matter.
 #include <algorithm>
@@ -18,10 +18,10 @@
 namespace forewalk::rdw {
 namespace {
 
-constexpr double kAhead = 1.0;         // metres
+constexpr double kAhead = 1.0;  // metres
 constexpr double kFutureWeight = 0.25;
 constexpr double kUserExponent = 1.5;
-constexpr int kMostPlaces = 20;        // along the longer side
+constexpr int kMostPlaces = 20;  // along the longer side
 
 class DynamicApf final : public Controller {
  public:
@@ -29,12 +29,25 @@ class DynamicApf final : public Controller {
     border_.prepare(space);
     places_.clear();
     places_.push_back({space.centre(), space.clearance()});
-    const glm::dvec2 extent = space.upperBound() - space.lowerBound();
-    const double step = std::max(0.5, std::max(extent.x, extent.y) / kMostPlaces);
-    for (double x = space.lowerBound().x + 0.5 * step; x < space.upperBound().x; x += step) {
-      for (double y = space.lowerBound().y + 0.5 * step; y < space.upperBound().y; y += step) {
-        const double room = space.signedDistance({x, y});
-        if (room > 0.25) places_.push_back({{x, y}, room});
+    // Along the longest edge, so that the room may be turned.
+    glm::dvec2 along(1.0, 0.0);
+    double longest = 0.0, furthest = 0.0;
+    const std::span<const glm::dvec2> ring = space.ring(0);
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      furthest = std::max(furthest, glm::distance(ring[i], space.centre()));
+      const double length = glm::distance(ring[i], ring[j]);
+      if (length <= longest + 1e-6) continue;
+      longest = length;
+      along = (ring[i] - ring[j]) / length;
+    }
+    const glm::dvec2 across(-along.y, along.x);
+    const double step = std::max(0.5, 2.0 * furthest / kMostPlaces);
+    const int most = static_cast<int>(furthest / step);
+    for (int x = -most; x <= most; ++x) {
+      for (int y = -most; y <= most; ++y) {
+        const glm::dvec2 place = space.centre() + step * (x * along + y * across);
+        const double room = space.signedDistance(place);
+        if (room > 0.25) places_.push_back({place, room});
       }
     }
   }
@@ -54,7 +67,8 @@ class DynamicApf final : public Controller {
     }
     const glm::dvec2 to = mostOpen(input.others) - position;
     const double distance = glm::length(to);
-    if (distance > 1e-6) force += glm::length(border_.at(position)) / (1.0 + distance) * to / distance;
+    if (distance > 1e-6)
+      force += glm::length(border_.at(position)) / (1.0 + distance) * to / distance;
     return follow_.toward(force, input);
   }
   void restart() override { follow_.restart(); }

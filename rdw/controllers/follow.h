@@ -16,12 +16,17 @@ class Follow {
 
   /// Gains that turn somebody toward `direction` (physical, any length); zero: neutral.
   Gains toward(glm::dvec2 direction, const SteerInput& input) {
+    return toward(direction, input, input.limits);
+  }
+
+  /// The same within other limits, which lie within the input's.
+  Gains toward(glm::dvec2 direction, const SteerInput& input, const GainLimits& limits) {
     if (direction == glm::dvec2(0.0)) return {};
     const glm::dvec2 position = input.physical.position;
     const Steering steering =
         core_.steer(input.motion, position, directionOf(input.physical.heading),
-                    position + glm::normalize(direction), input.limits);
-    return asGains(steering, input.motion, input.limits);
+                    position + glm::normalize(direction), limits);
+    return asGains(steering, input.motion, limits);
   }
 
   void restart() { core_.restart(); }

@@ -1,8 +1,9 @@
 // P2R, push/pull reactive. Thomas and Suma Rosenberg, "A General Reactive Algorithm for Redirected
 // Walking Using Artificial Potential Functions", IEEE VR 2019.
 //
-// Turns the user toward n = -grad U (potential_field.h) by curvature or rotation, whichever is more;
-// somebody who goes against n is slowed physically: the translation gain is at its upper limit.
+// Turns the user toward n = -grad U (potential_field.h) by curvature or rotation, whichever is
+// more; somebody who goes against n is slowed physically: the translation gain is at its upper
+// limit.
 #include "rdw/controllers/controllers.h"
 #include "rdw/controllers/follow.h"
 #include "rdw/potential_field.h"

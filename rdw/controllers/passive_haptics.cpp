@@ -1,14 +1,14 @@
 // Passive haptics. Thomas, Hutton Pospick and Suma Rosenberg, "Towards Physically Interactive
-// Virtual Environments: Reactive Alignment with Redirected Walking", VRST 2020: the user is to reach
-// a virtual thing just when they reach the physical one (SessionSettings::haptic).
+// Virtual Environments: Reactive Alignment with Redirected Walking", VRST 2020: the user is to
+// reach a virtual thing just when they reach the physical one (SessionSettings::haptic).
 //
 // Until it can be aligned: down -grad = 2 (target - p) + the repulsion of the room
 // (potential_field.h). It can be where one constant curvature and one translation gain within the
 // limits bring both distances and both directions to nothing at once: with c the physical distance,
-// D the virtual one, and delta by how much further left the thing lies physically than virtually, the
-// body has to walk the arc of chord c that leaves its tangent by delta, L = c delta / sin delta,
-// k = 2 delta / L, and the translation gain is D / L. Without a thing to reach the centre is one that
-// only pulls.
+// D the virtual one, and delta by how much further left the thing lies physically than virtually,
+// the body has to walk the arc of chord c that leaves its tangent by delta, L = c delta / sin
+// delta, k = 2 delta / L, and the translation gain is D / L. Without a thing to reach the centre is
+// one that only pulls.
 #include <algorithm>
 #include <cmath>
 
@@ -19,9 +19,9 @@
 namespace forewalk::rdw {
 namespace {
 
-constexpr double kStraight = 1e-6;             // radians
-constexpr double kLargest = 0.5 * kPi;         // radians off, beyond which no arc is tried
-constexpr double kTouched = 0.05;              // metres; nearer there is nothing to align
+constexpr double kStraight = 1e-6;      // radians
+constexpr double kLargest = 0.5 * kPi;  // radians off, beyond which no arc is tried
+constexpr double kTouched = 0.05;       // metres; nearer there is nothing to align
 
 class PassiveHaptics final : public Controller {
  public:
@@ -48,9 +48,8 @@ class PassiveHaptics final : public Controller {
     const double c = glm::length(chord);
     const double d = glm::length(seen);
     if (c < kTouched || d < kTouched) return std::nullopt;
-    const double off =
-        wrapAngle(angleBetween(ahead, chord) -
-                  angleBetween(input.redirection.directionToVirtual(ahead), seen));
+    const double off = wrapAngle(angleBetween(ahead, chord) -
+                                 angleBetween(input.redirection.directionToVirtual(ahead), seen));
     if (std::abs(off) > kLargest) return std::nullopt;
     const double length = std::abs(off) < kStraight ? c : c * off / std::sin(off);
     const double curvature = 2.0 * off / length;

@@ -47,8 +47,8 @@ class S2MT final : public Controller {
         target = targets_[i];
       }
     }
-    return asGains(core_.steer(input.motion, position, heading, target, input.limits),
-                   input.motion, input.limits);
+    return asGains(core_.steer(input.motion, position, heading, target, input.limits), input.motion,
+                   input.limits);
   }
 
   void restart() override { core_.restart(); }

@@ -3,10 +3,10 @@
 //
 // What is seen of the floor, in the room and in the virtual world, is cut into triangles, each the
 // user and a piece of what ends the view. Of the virtual ones the one whose bisector is nearest the
-// heading; of the physical ones within 90 degrees of the heading the one of the most similar area: to
-// its bisector the user is turned, at full gain. Translation is the ratio of the mean lengths of the
-// two. We depart in that nothing is seen beyond 30 m, and that pieces in one line count as one (a
-// navmesh cuts its walls where its polygons end).
+// heading; of the physical ones within 90 degrees of the heading the one of the most similar area:
+// to its bisector the user is turned, at full gain. Translation is the ratio of the mean lengths of
+// the two. We depart in that nothing is seen beyond 30 m, and that pieces in one line count as one
+// (a navmesh cuts its walls where its polygons end).
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -18,8 +18,8 @@
 namespace forewalk::rdw {
 namespace {
 
-constexpr double kFarthest = 30.0;       // metres
-constexpr double kThinnest = 1e-3;       // radians; thinner slices are rounding
+constexpr double kFarthest = 30.0;  // metres
+constexpr double kThinnest = 1e-3;  // radians; thinner slices are rounding
 constexpr std::size_t kMostSlices = 512;
 constexpr double kQuarter = 0.5 * kPi + 1e-9;
 
@@ -109,8 +109,7 @@ class VisibilityPolygons final : public Controller {
         const glm::dvec2 next = pieces_[i].right - origin;
         const glm::dvec2 end = pieces_[i].left - origin;
         if (glm::distance(next, left) > 1e-3 ||
-            std::abs(angleBetween(left - right, end - next)) > 1e-2 ||
-            crossed(right, end) <= 0.0)
+            std::abs(angleBetween(left - right, end - next)) > 1e-2 || crossed(right, end) <= 0.0)
           break;
         left = end;
       }
@@ -118,8 +117,8 @@ class VisibilityPolygons final : public Controller {
     }
   }
 
-  // Between two neighbouring directions to corners one edge is in view: the one that the ray between
-  // them meets.
+  // Between two neighbouring directions to corners one edge is in view: the one that the ray
+  // between them meets.
   void physicalSlices(const TrackedSpace& space, glm::dvec2 position) {
     slices_.clear();
     angles_.clear();

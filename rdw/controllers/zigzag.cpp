@@ -1,12 +1,12 @@
 // Zigzag. Razzaque, Kohn and Whitton, "Redirected Walking", Eurographics 2001.
 //
 // Somebody whose virtual way is a zigzag walks to and fro between two physical targets: at each
-// virtual corner they turn toward the other one. The targets are the ends of the longest of 36 chords
-// through the centre, a metre from the border. Theirs are set by the virtual corners, which are
-// known in advance; ours change when the user, nearer to the present one, turns on the spot, or
+// virtual corner they turn toward the other one. The targets are the ends of the longest of 36
+// chords through the centre, a metre from the border. Theirs are set by the virtual corners, which
+// are known in advance; ours change when the user, nearer to the present one, turns on the spot, or
 // comes within a metre of it.
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rdw/controllers/controllers.h"
@@ -16,9 +16,9 @@ namespace forewalk::rdw {
 namespace {
 
 constexpr int kChords = 36;
-constexpr double kFromBorder = 1.0;                 // metres
-constexpr double kReached = 1.0;                    // metres
-constexpr double kTurning = 20.0 * kPi / 180.0;     // rad/s
+constexpr double kFromBorder = 1.0;              // metres
+constexpr double kReached = 1.0;                 // metres
+constexpr double kTurning = 20.0 * kPi / 180.0;  // rad/s
 
 class Zigzag final : public Controller {
  public:
