@@ -68,12 +68,12 @@ tl::unexpected<Error> refused(std::string message) {
   return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
 }
 
-// NAME, with 2:1 turns, or NAME+RESET.
-std::string controllerOf(const std::string& name) { return name.substr(0, name.find('+')); }
+// NAME, with 2:1 turns, or NAME/RESET.
+std::string controllerOf(const std::string& name) { return name.substr(0, name.find('/')); }
 
 std::string resetOf(const std::string& name) {
-  const std::size_t plus = name.find('+');
-  return plus == std::string::npos ? "two-one-turn" : name.substr(plus + 1);
+  const std::size_t slash = name.find('/');
+  return slash == std::string::npos ? "two-one-turn" : name.substr(slash + 1);
 }
 
 // WxD, metres; L: 8 m x 8 m without a quarter; furnished: 6 m x 6 m with two pieces of furniture.
@@ -286,7 +286,9 @@ int main(int argc, char** argv) {
                    "steering_resets");
   program.add_option("--scenes", options.scenes, "Names or files with commas between, or plane")
       ->capture_default_str();
-  program.add_option("--controllers", options.controllers, "The first is what others differ from")
+  program
+      .add_option("--controllers", options.controllers,
+                  "NAME or NAME/RESET; the first is what others differ from")
       ->capture_default_str();
   program.add_option("--rooms", options.rooms, "WxD in metres, L, furnished; commas between")
       ->capture_default_str();

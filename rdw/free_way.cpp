@@ -26,8 +26,7 @@ double freeAlong(const TrackedSpace& space, std::span<const OtherUser> others, g
   return std::min(space.distanceAlong(point, direction), freeAmong(others, point, direction));
 }
 
-double clearanceAt(const TrackedSpace& space, std::span<const OtherUser> others,
-                   glm::dvec2 point) {
+double clearanceAt(const TrackedSpace& space, std::span<const OtherUser> others, glm::dvec2 point) {
   double clearance = space.signedDistance(point);
   for (const OtherUser& other : others) {
     clearance = std::min(clearance, glm::distance(point, other.position) - other.radius);

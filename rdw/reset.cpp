@@ -62,8 +62,8 @@ bool Reset::setsOffTowardBorder(const Around& around) const {
   if (resetsSinceWalk_ >= kMostInARow || !motion.usable() ||
       !(motion.distance > kSlowest * motion.dt))
     return false;
-  const double free = freeAlong(around.space, around.others, around.physical,
-                                motion.step / motion.distance);
+  const double free =
+      freeAlong(around.space, around.others, around.physical, motion.step / motion.distance);
   return free <= settings_.clearance + motion.distance;
 }
 
@@ -82,8 +82,8 @@ bool Reset::isAtBorder(const Around& around) const {
     const std::span<const glm::dvec2> ring = around.space.ring(r);
     for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
       const glm::dvec2 edge = ring[i] - ring[j];
-      const double share = std::clamp(
-          glm::dot(around.physical - ring[j], edge) / glm::dot(edge, edge), 0.0, 1.0);
+      const double share =
+          std::clamp(glm::dot(around.physical - ring[j], edge) / glm::dot(edge, edge), 0.0, 1.0);
       const glm::dvec2 to = ring[j] + share * edge - around.physical;
       const double distance = glm::length(to);
       if (distance <= buffer && glm::dot(to, direction) > kAlong * distance) return true;
@@ -137,13 +137,13 @@ void Reset::begin(const ResetPlan& plan, const Motion& motion) {
   state_.back = plan.back;
   const double angle = state_.remaining;
   state_.gain = angle > 0.0 ? plan.seen / angle : 0.0;
-  backward_ = motion.walking ? -motion.walkingDirection
+  backward_ = motion.walking          ? -motion.walkingDirection
               : motion.distance > 0.0 ? -motion.step / motion.distance
                                       : glm::dvec2(0.0);
-  state_.instruction = plan.back > 0.0        ? ResetInstruction::kStepBack
-                       : state_.wanted > 0    ? ResetInstruction::kTurnLeft
-                       : state_.wanted < 0    ? ResetInstruction::kTurnRight
-                                              : ResetInstruction::kTurnAround;
+  state_.instruction = plan.back > 0.0     ? ResetInstruction::kStepBack
+                       : state_.wanted > 0 ? ResetInstruction::kTurnLeft
+                       : state_.wanted < 0 ? ResetInstruction::kTurnRight
+                                           : ResetInstruction::kTurnAround;
   ++count_;
   ++resetsSinceWalk_;
 }

@@ -20,8 +20,8 @@ namespace forewalk::rdw {
 enum class ResetTrigger : std::uint8_t {
   kAhead,   ///< the free way ahead is as short as the way of stopping, plus the clearance
   kBorder,  ///< as the toolkits: a border, obstacle or other user is nearer than the clearance, to
-            ///< whichever side, and the walk leads toward it. To compare with published simulations:
-            ///< who walks along a wall into a corner is turned again and again
+            ///< whichever side, and the walk leads toward it. To compare with published
+            ///< simulations: who walks along a wall into a corner is turned again and again
 };
 
 /// When to stop somebody. Stopping takes the way of the reaction plus the way of braking;
@@ -66,10 +66,10 @@ class Reset {
   explicit Reset(const ResetSettings& settings = {}) : settings_(settings) {}
 
   struct Step {
-    double yaw = 0.0;    ///< by which the world is to be turned about the head this frame, radians
-    bool frozen = false; ///< and it is to move along with this frame's step
-    bool began = false;  ///< this frame is the first of a reset
-    bool ended = false;  ///< and this one the last
+    double yaw = 0.0;     ///< by which the world is to be turned about the head this frame, radians
+    bool frozen = false;  ///< and it is to move along with this frame's step
+    bool began = false;   ///< this frame is the first of a reset
+    bool ended = false;   ///< and this one the last
     std::uint32_t flags = 0;  ///< kOutsideSpace, kBorderNear
   };
 
@@ -86,9 +86,9 @@ class Reset {
   ///
   /// While turning: progress is the sum of the head's turns since the first frame; the world has
   /// been turned by (gain - 1) times that in all, back and forth included. It ends in the frame in
-  /// which the progress reaches the plan's angle either way; of that frame only the part up to there
-  /// counts: the world has then been turned by exactly the plan's angle. Steps walked while turning
-  /// are passed on unscaled, but for frozen resets. O(corners + others), allocates nothing.
+  /// which the progress reaches the plan's angle either way; of that frame only the part up to
+  /// there counts: the world has then been turned by exactly the plan's angle. Steps walked while
+  /// turning are passed on unscaled, but for frozen resets. O(corners + others), allocates nothing.
   ///
   /// A plan whose end would face a way of less than twice the clearance is changed: the user faces
   /// the freest of 36 directions, so that resets cannot follow each other on the spot for ever.

@@ -32,7 +32,8 @@ void readSpace(Fields& file, SimulationFile& into) {
   }
   if (!field->is_object()) return file.wrongKind("space", "the name of a file, or an object {...}");
   Fields fields(*field, "space.", file.problem());
-  for (const std::string_view name : {"format", "rectangle", "circle", "polygon", "holes"})
+  for (const std::string_view name :
+       {"format", "rectangle", "circle", "polygon", "holes", "shape", "area_m2"})
     fields.find(name);
   fields.finish();
   const tl::expected<TrackedSpace, Error> made = spaceFromJson(*field);
@@ -129,6 +130,13 @@ void readLegs(Fields& fields, Legs& legs) {
   legs.eitherSide = turn == 0;
 }
 
+void readCourse(Fields& fields, CourseKind kind, Course& course) {
+  course.kind = kind;
+  const bool round = kind == CourseKind::kCircle || kind == CourseKind::kFigureEight;
+  fields.number(round ? "radius_m" : "leg_m", 0.1, 1e4, course.size);
+  if (kind == CourseKind::kSawtooth) fields.number("turn_deg", 0.0, 180.0, course.turn, kDegree);
+}
+
 void readUser(Fields& file, SimulationFile& into) {
   User& user = into.simulation.user;
   const Json* object = file.find("user");
@@ -138,7 +146,8 @@ void readUser(Fields& file, SimulationFile& into) {
         "user is missing: say who walks, for example {\"kind\": \"wander\"}.");
   }
   Fields fields(*object, "user.", file.problem());
-  static constexpr std::string_view kKinds[] = {"waypoints", "wander", "legs", "recorded"};
+  static constexpr std::string_view kKinds[] = {"waypoints", "wander", "legs",         "recorded",
+                                                "sawtooth",  "circle", "figure-eight", "corridors"};
   std::size_t kind = std::size(kKinds);
   fields.word("kind", kKinds, kind);
   switch (kind) {
@@ -156,6 +165,12 @@ void readUser(Fields& file, SimulationFile& into) {
       fields.text("walks", into.walks);
       fields.text("walker", into.walker);
       if (into.walks.empty()) fields.wrongKind("walks", "the name of a file with recorded walks");
+      break;
+    case 4:
+    case 5:
+    case 6:
+    case 7:
+      readCourse(fields, static_cast<CourseKind>(kind - 4), user.plan.emplace<Course>());
       break;
     default:
       fields.wrongKind("kind", fmt::format("one of {}", fmt::join(kKinds, ", ")));

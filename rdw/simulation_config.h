@@ -37,6 +37,9 @@
 //     waypoints  "waypoints": [[x, y, z], ...], "loop": false
 //     wander     "goal_distance_min_m": 3
 //     legs       "leg_min_m": 2, "leg_max_m": 8, "turn_deg": 90, "turn": "either_side" or "uniform"
+//     sawtooth   "leg_m": 5, "turn_deg": 120
+//     circle, figure-eight   "radius_m": 5
+//     corridors  "leg_m": 5
 //     recorded   "walks": "walks.csv", "walker": "u0" (without: the first)
 //   and of all: speed_m_per_s, turn_rate_deg_per_s, stop_angle_deg, reaction_s,
 //   acceleration_m_per_s2, deceleration_m_per_s2, pause_min_s, pause_max_s, look_amplitude_deg,

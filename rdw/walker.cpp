@@ -278,6 +278,20 @@ class LegGoals : public Goals {
   std::mt19937_64 rng_;
 };
 
+class CourseGoals : public Goals {
+ public:
+  CourseGoals(const Course& course, glm::dvec2 start, double heading, std::uint64_t seed)
+      : points_(course, {start, heading}), rng_(seed) {}
+
+  std::optional<Location> next(const Location& here) override {
+    return Location{navmesh::kNoPolygon, glm::vec2(points_.next(rng_)), here.height, false};
+  }
+
+ private:
+  CoursePoints points_;
+  std::mt19937_64 rng_;
+};
+
 /// The way to turn in a reset: as begun, else as asked, else `liked`.
 int sideOf(const ResetState& reset, int liked) {
   return reset.wanted != 0 ? reset.wanted : reset.direction != 0 ? reset.direction : liked;
@@ -650,6 +664,13 @@ tl::expected<std::unique_ptr<Walker>, Error> makeWalker(std::shared_ptr<const Wo
     goals = std::make_unique<WanderGoals>(
         PlacesByArea(*world, world->graph.component[index(from->polygon)]), wander->goalDistanceMin,
         goalSeed);
+  } else if (const auto* course = std::get_if<Course>(&user.plan)) {
+    const std::array<Ranged, 2> ranged{{{"leg or radius", course->size, 0.1, 1e4, "m"},
+                                        {"turn of a sawtooth", course->turn, 0.0, kPi, "rad"}}};
+    if (const std::optional<Error> error = firstOutOfRange(ranged)) return tl::unexpected(*error);
+    heading = heading.value_or(0.0);
+    goals = std::make_unique<CourseGoals>(*course, glm::dvec2(from->plan), *heading, goalSeed);
+    world = nullptr;  // as legs
   } else {
     const Legs& legs = std::get<Legs>(user.plan);
     const std::array<Ranged, 3> ranged{{{"shortest leg", legs.lengthMin, 0.1, 1e4, "m"},

@@ -11,9 +11,9 @@
 namespace forewalk::rdw {
 namespace {
 
-constexpr double kLeast = 1.0;    // metres
-constexpr double kUseful = 0.5;   // metres
-constexpr double kBehind = 0.5;   // metres left free behind
+constexpr double kLeast = 1.0;   // metres
+constexpr double kUseful = 0.5;  // metres
+constexpr double kBehind = 0.5;  // metres left free behind
 
 class FreezeBackup final : public ResetPolicy {
  public:

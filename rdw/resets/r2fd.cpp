@@ -1,10 +1,10 @@
-// Reset to future direction. Williams, Bera and Manocha, "ARC: Alignment-based Redirection Controller
-// for Redirected Walking in Complex Environments", TVCG 2021.
+// Reset to future direction. Williams, Bera and Manocha, "ARC: Alignment-based Redirection
+// Controller for Redirected Walking in Complex Environments", TVCG 2021.
 //
 // Of 20 physical directions those that lead away from the nearest border: the one whose free way is
 // at least the virtual one ahead, with the least excess; where there is none, the least shortfall.
-// The virtual turn is 360 degrees, so "ahead" is where the user was going. Where no navmesh is known
-// the virtual way has no end, and the freest direction wins.
+// The virtual turn is 360 degrees, so "ahead" is where the user was going. Where no navmesh is
+// known the virtual way has no end, and the freest direction wins.
 #include <cmath>
 
 #include "navmesh/sight.h"
@@ -35,8 +35,7 @@ class R2FD final : public ResetPolicy {
       const glm::dvec2 direction = rotated(away, 2.0 * kPi * i / kDirections);
       if (glm::dot(direction, away) <= 1e-9) continue;
       const double excess = freeAlong(input.space, input.others, position, direction) - wanted;
-      if (excess >= 0.0 ? excess < bestExcess
-                        : std::isinf(bestExcess) && -excess < bestShortfall) {
+      if (excess >= 0.0 ? excess < bestExcess : std::isinf(bestExcess) && -excess < bestShortfall) {
         (excess >= 0.0 ? bestExcess : bestShortfall) = std::abs(excess);
         best = direction;
       }

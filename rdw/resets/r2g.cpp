@@ -1,5 +1,5 @@
-// Reset to gradient. Thomas and Suma Rosenberg, "A General Reactive Algorithm for Redirected Walking
-// Using Artificial Potential Functions", IEEE VR 2019: the user ends facing -grad U
+// Reset to gradient. Thomas and Suma Rosenberg, "A General Reactive Algorithm for Redirected
+// Walking Using Artificial Potential Functions", IEEE VR 2019: the user ends facing -grad U
 // (potential_field.h), after 360 virtual degrees.
 #include "rdw/potential_field.h"
 #include "rdw/resets/resets.h"
