@@ -68,6 +68,10 @@ Applied Redirector::turnWorld(const HeadPose& head, double yaw) {
   return inject(head, yaw, glm::dvec2(0.0));
 }
 
+Applied Redirector::freezeWorld(const HeadPose& head, double yaw, glm::dvec2 step) {
+  return inject(head, yaw, -redirection_.directionToVirtual(step));
+}
+
 Applied Redirector::inject(const HeadPose& head, double yaw, glm::dvec2 push) {
   if (yaw != 0.0 || push != glm::dvec2(0.0)) {
     const glm::dvec2 physical(navmesh::toPlan(head.position));

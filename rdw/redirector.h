@@ -77,6 +77,10 @@ class Redirector {
   /// Turns the world about the head by `yaw` radians and pushes it by nothing: what a reset does.
   Applied turnWorld(const HeadPose& head, double yaw);
 
+  /// The same, and the world moves along with the frame's step, so that the user stays where they
+  /// were: what a frozen reset does.
+  Applied freezeWorld(const HeadPose& head, double yaw, glm::dvec2 step);
+
  private:
   Applied inject(const HeadPose& head, double yaw, glm::dvec2 push);
 

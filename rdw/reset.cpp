@@ -2,8 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "rdw/free_way.h"
 
 namespace forewalk::rdw {
+
+namespace {
+
+constexpr int kFaceSteps = 36;  // directions looked at where a plan faces a wall
+
+/// The plan, or the freest way where it would end facing a border or somebody. Turns either way
+/// are what they are.
+ResetPlan passable(const ResetPlan& plan, const SteerInput& input, double needed) {
+  if (plan.back > 0.0 || (std::isfinite(plan.left) && std::isfinite(plan.right))) return plan;
+  const glm::dvec2 position = input.physical.position;
+  if (!input.space.contains(position)) return plan;
+  const glm::dvec2 ahead = aheadOf(input);
+  const glm::dvec2 faced = rotated(ahead, std::isfinite(plan.left) ? plan.left : -plan.right);
+  if (freeAlong(input.space, input.others, position, faced) >= needed) return plan;
+  return turnTo(ahead, freestDirection(input.space, input.others, position, -ahead, kFaceSteps));
+}
+
+}  // namespace
 
 std::string_view sentenceOf(ResetInstruction instruction) {
   switch (instruction) {
@@ -15,6 +36,12 @@ std::string_view sentenceOf(ResetInstruction instruction) {
       return "Keep turning the same way until the sign goes away.";
     case ResetInstruction::kWalkBack:
       return "You are outside the tracked space: walk back into it.";
+    case ResetInstruction::kStepBack:
+      return "Stop, and step backwards until the sign goes away.";
+    case ResetInstruction::kTurnLeft:
+      return "Stop, and turn left on the spot until the sign goes away.";
+    case ResetInstruction::kTurnRight:
+      return "Stop, and turn right on the spot until the sign goes away.";
   }
   return "";
 }
@@ -27,65 +54,158 @@ double Reset::stoppingDistance(double speed) const {
 // The smoothed speed says too late that somebody beside a border sets off towards it; of them the
 // step itself is looked at. Further off the smoothed speed does, and is not misled by a head that
 // sways.
-bool Reset::setsOffTowardBorder(const Motion& motion, glm::dvec2 physical,
-                                const TrackedSpace& space) const {
+bool Reset::setsOffTowardBorder(const Around& around) const {
   constexpr double kSlowest = 0.1;  // m/s; slower steps are those of standing
   // A corner can leave no way out but along a wall: nobody is turned back and forth there for ever.
   constexpr int kMostInARow = 3;
-  if (resetsSinceWalk_ >= kMostInARow || !motion.usable() || !(motion.distance > kSlowest * motion.dt)) return false;
-  const double free = space.distanceAlong(physical, motion.step / motion.distance);
+  const Motion& motion = around.motion;
+  if (resetsSinceWalk_ >= kMostInARow || !motion.usable() ||
+      !(motion.distance > kSlowest * motion.dt))
+    return false;
+  const double free =
+      freeAlong(around.space, around.others, around.physical, motion.step / motion.distance);
   return free <= settings_.clearance + motion.distance;
 }
 
-bool Reset::mustStop(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space,
-                     Step& step) const {
-  if (!space.contains(physical)) {
+bool Reset::isAtBorder(const Around& around) const {
+  const Motion& motion = around.motion;
+  // The step itself: the toolkits' users are at full speed at once.
+  if (!motion.usable() || !(motion.distance > 1e-6)) return false;
+  const glm::dvec2 direction = motion.step / motion.distance;
+  const double buffer = settings_.clearance;
+  for (const OtherUser& other : around.others) {
+    const glm::dvec2 to = other.position - around.physical;
+    if (glm::length(to) <= buffer + other.radius && glm::dot(to, direction) > 0.0) return true;
+  }
+  constexpr double kAlong = 0.0175;  // cosine of the toolkits' 89 degrees
+  for (std::size_t r = 0; r < around.space.ringCount(); ++r) {
+    const std::span<const glm::dvec2> ring = around.space.ring(r);
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      const glm::dvec2 edge = ring[i] - ring[j];
+      const double share =
+          std::clamp(glm::dot(around.physical - ring[j], edge) / glm::dot(edge, edge), 0.0, 1.0);
+      const glm::dvec2 to = ring[j] + share * edge - around.physical;
+      const double distance = glm::length(to);
+      if (distance <= buffer && glm::dot(to, direction) > kAlong * distance) return true;
+    }
+  }
+  return false;
+}
+
+bool Reset::mustStop(const Around& around, Step& step) const {
+  const Motion& motion = around.motion;
+  const glm::dvec2 physical = around.physical;
+  if (!around.space.contains(physical)) {
     step.flags |= kOutsideSpace;
-    const glm::dvec2 inward = space.nearestBorder(physical).inward;
+    const glm::dvec2 inward = around.space.nearestBorder(physical).inward;
     return motion.walking && glm::dot(motion.walkingDirection, inward) <= 0.0;
   }
-  if (!motion.walking) return setsOffTowardBorder(motion, physical, space);
-  const double free = space.distanceAlong(physical, motion.walkingDirection);
+  if (settings_.trigger == ResetTrigger::kBorder) return isAtBorder(around);
+  if (!motion.walking) return setsOffTowardBorder(around);
+  const glm::dvec2 ahead = motion.walkingDirection;
+  double free = around.space.distanceAlong(physical, ahead);
+  // Somebody else comes closer while one stops.
+  const double stopping = settings_.reactionTime + motion.speed / settings_.deceleration;
+  for (const OtherUser& other : around.others) {
+    const double closing = std::max(0.0, -glm::dot(other.velocity, ahead));
+    free = std::min(free, freeAmong({&other, 1}, physical, ahead) - closing * stopping);
+  }
   // In the next frame it would be too late.
   const double stop = stoppingDistance(motion.speed) + motion.speed * motion.dt;
   if (free <= stop + settings_.warningTime * motion.speed) step.flags |= kBorderNear;
   return free <= stop;
 }
 
-Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space) {
-  Step step;
-  const bool stop = mustStop(motion, physical, space, step);
-  if (!state_.turning) {
-    if (motion.walking) resetsSinceWalk_ = 0;
-    state_ = ResetState{};
-    if (stop && motion.usable()) {
-      // The turn of this very frame belongs to the walk; the reset counts from the next one.
-      state_.turning = true;
-      state_.remaining = kPi;
-      state_.instruction = ResetInstruction::kTurnAround;
-      step.began = true;
-      ++count_;
-      ++resetsSinceWalk_;
-    } else if ((step.flags & kOutsideSpace) != 0) {
-      state_.instruction = ResetInstruction::kWalkBack;
-    }
-    return step;
-  }
-  if (!motion.usable()) return step;  // heads that jumped or times that stood still turn nothing
+bool Reset::waitsFor(const Around& around, Step& step) {
+  const bool stop = mustStop(around, step);
+  if (state_.turning) return false;
+  if (around.motion.walking) resetsSinceWalk_ = 0;
+  state_ = ResetState{};
+  if (stop && around.motion.usable()) return true;
+  if ((step.flags & kOutsideSpace) != 0) state_.instruction = ResetInstruction::kWalkBack;
+  return false;
+}
 
-  const double before = state_.progress;
-  const double after = std::clamp(before + motion.turn, -kPi, kPi);
-  step.yaw = after - before;
-  state_.progress = after;
-  state_.remaining = kPi - std::abs(after);
-  // Five degrees: a head that trembles has not begun to turn.
-  if (std::abs(after) > 0.087) {
-    state_.direction = after > 0.0 ? 1 : -1;
-    state_.instruction = ResetInstruction::kKeepTurning;
-  }
-  if (std::abs(after) >= kPi) {
+void Reset::begin(const ResetPlan& plan, const Motion& motion) {
+  // The turn of this very frame belongs to the walk; the reset counts from the next one.
+  plan_ = plan;
+  state_.turning = true;
+  const bool left = std::isfinite(plan.left);
+  const bool right = std::isfinite(plan.right);
+  state_.wanted = left && right ? 0 : left ? 1 : -1;
+  state_.remaining = left ? plan.left : plan.right;
+  state_.back = plan.back;
+  const double angle = state_.remaining;
+  state_.gain = angle > 0.0 ? plan.seen / angle : 0.0;
+  backward_ = motion.walking          ? -motion.walkingDirection
+              : motion.distance > 0.0 ? -motion.step / motion.distance
+                                      : glm::dvec2(0.0);
+  state_.instruction = plan.back > 0.0     ? ResetInstruction::kStepBack
+                       : state_.wanted > 0 ? ResetInstruction::kTurnLeft
+                       : state_.wanted < 0 ? ResetInstruction::kTurnRight
+                                           : ResetInstruction::kTurnAround;
+  ++count_;
+  ++resetsSinceWalk_;
+}
+
+void Reset::carryOn(const Motion& motion, Step& step) {
+  step.frozen = plan_.frozen;
+  if (!motion.usable()) return;  // heads that jumped or times that stood still turn nothing
+  if (state_.back > 0.0) {
+    step.yaw = -motion.turn;
+    state_.back = std::max(0.0, state_.back - glm::dot(motion.step, backward_));
+    if (state_.back > 0.0) return;
+    if (plan_.left > 0.0 && plan_.right > 0.0) {
+      state_.instruction = ResetInstruction::kTurnAround;
+      return;
+    }
     state_ = ResetState{};
     step.ended = true;
+    return;
+  }
+  const double before = state_.progress;
+  // A way round that leads nowhere has to be turned back.
+  const double after = std::clamp(before + motion.turn, -plan_.right, plan_.left);
+  const double scale = state_.gain - 1.0;
+  step.yaw = scale * (after - before);
+  state_.progress = after;
+  const bool left = state_.wanted != 0 ? state_.wanted > 0 : after >= 0.0;
+  state_.remaining = left ? plan_.left - after : plan_.right + after;
+  // Five degrees: a head that trembles has not begun to turn.
+  if (state_.wanted == 0 && std::abs(after) > 0.087) {
+    state_.direction = after > 0.0 ? 1 : -1;
+    state_.instruction = ResetInstruction::kKeepTurning;
+  } else if (state_.wanted != 0 && after * state_.wanted > 0.087) {
+    state_.direction = state_.wanted;
+    state_.instruction = ResetInstruction::kKeepTurning;
+  }
+  if (after >= plan_.left || after <= -plan_.right) {
+    state_ = ResetState{};
+    step.ended = true;
+  }
+}
+
+Reset::Step Reset::frame(const SteerInput& input, ResetPolicy& policy) {
+  Step step;
+  const Around around{input.motion, input.physical.position, input.space, input.others};
+  const bool turning = state_.turning;
+  if (waitsFor(around, step)) {
+    begin(passable(policy.plan(input), input, 2.0 * settings_.clearance), input.motion);
+    step.began = true;
+  } else if (turning) {
+    carryOn(input.motion, step);
+  }
+  return step;
+}
+
+Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space) {
+  Step step;
+  const bool turning = state_.turning;
+  if (waitsFor({motion, physical, space, {}}, step)) {
+    begin(ResetPlan{}, motion);
+    step.began = true;
+  } else if (turning) {
+    carryOn(motion, step);
   }
   return step;
 }

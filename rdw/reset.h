@@ -1,7 +1,9 @@
-// The 2:1 turn: when no gain keeps the user inside, they are stopped and turned.
+// When no gain keeps the user inside, they are stopped and turned.
 //
-// Williams et al. 2007. The user turns on the spot until the body has turned by 180 degrees, either
-// way; the world turns along, so that they have seen exactly 360 and look where they looked before.
+// When somebody has to be stopped is the same for every reset, and so is carrying it out: while the
+// body turns by an angle, the world turns along, so that the user has seen a whole turn (or none)
+// and looks where they looked before. The angle is a ResetPolicy's (reset_policy.h); without one it
+// is the 2:1 turn of Williams et al. 2007: 180 degrees, either way.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +11,18 @@
 
 #include "rdw/motion.h"
 #include "rdw/pose.h"
+#include "rdw/reset_policy.h"
 #include "rdw/tracked_space.h"
 
 namespace forewalk::rdw {
+
+/// What brings a reset about.
+enum class ResetTrigger : std::uint8_t {
+  kAhead,   ///< the free way ahead is as short as the way of stopping, plus the clearance
+  kBorder,  ///< as the toolkits: a border, obstacle or other user is nearer than the clearance, to
+            ///< whichever side, and the walk leads toward it. To compare with published
+            ///< simulations: who walks along a wall into a corner is turned again and again
+};
 
 /// When to stop somebody. Stopping takes the way of the reaction plus the way of braking;
 /// `clearance` is what must be left then.
@@ -20,6 +31,7 @@ struct ResetSettings {
   double deceleration = 3.0;   ///< of a walker who stops, m/s^2, > 0
   double clearance = 0.20;     ///< free floor in front of somebody who has stopped, metres, >= 0
   double warningTime = 1.0;    ///< how much earlier kBorderNear is raised, seconds, >= 0
+  ResetTrigger trigger = ResetTrigger::kAhead;
 };
 
 /// What to tell the user. The text is the caller's; these name it.
@@ -28,6 +40,9 @@ enum class ResetInstruction : std::uint8_t {
   kTurnAround,   ///< stop and turn on the spot, either way
   kKeepTurning,  ///< the way they began, `remaining` to go
   kWalkBack,     ///< outside the tracked space, and heading for it: walk back in
+  kStepBack,     ///< stop and step backwards, `back` to go
+  kTurnLeft,     ///< stop and turn left on the spot, `remaining` to go
+  kTurnRight,
 };
 
 /// A short English sentence for each.
@@ -38,7 +53,10 @@ struct ResetState {
   bool turning = false;    ///< a reset is under way
   int direction = 0;       ///< +1 left, -1 right, 0 not begun: the way the user is turning
   double progress = 0.0;   ///< physical radians turned since it began, left positive
-  double remaining = 0.0;  ///< physical radians to go, [0, pi]
+  double remaining = 0.0;  ///< physical radians to go that way, [0, 2 pi]
+  double back = 0.0;       ///< metres to step back before the turn, >= 0
+  int wanted = 0;          ///< the way that the reset asks for: +1 left, -1 right, 0 either
+  double gain = 2.0;       ///< virtual radians per physical radian turned
   ResetInstruction instruction = ResetInstruction::kNone;
 };
 
@@ -48,9 +66,10 @@ class Reset {
   explicit Reset(const ResetSettings& settings = {}) : settings_(settings) {}
 
   struct Step {
-    double yaw = 0.0;    ///< by which the world is to be turned about the head this frame, radians
-    bool began = false;  ///< this frame is the first of a reset
-    bool ended = false;  ///< and this one the last
+    double yaw = 0.0;     ///< by which the world is to be turned about the head this frame, radians
+    bool frozen = false;  ///< and it is to move along with this frame's step
+    bool began = false;   ///< this frame is the first of a reset
+    bool ended = false;   ///< and this one the last
     std::uint32_t flags = 0;  ///< kOutsideSpace, kBorderNear
   };
 
@@ -62,13 +81,20 @@ class Reset {
   /// - inside, not walking yet: a step faster than 0.1 m/s leads along less than clearance of free
   ///   floor. At most twice before the user has walked again after a reset;
   /// - outside: the walk does not lead back. Walking back in from outside is let be.
+  /// Other users are obstacles that come closer while one stops.
   /// Somebody near a border who stands, or walks away from it or along it, is let be.
   ///
   /// While turning: progress is the sum of the head's turns since the first frame; the world has
-  /// been turned by that much in all, so the virtual turn is twice the physical one, back and forth
-  /// included. It ends in the frame in which the progress reaches pi either way; of that frame only
-  /// the part up to pi is doubled: the world has then been turned by exactly +-pi. Steps walked
-  /// while turning are passed on unscaled. O(corners), allocates nothing.
+  /// been turned by (gain - 1) times that in all, back and forth included. It ends in the frame in
+  /// which the progress reaches the plan's angle either way; of that frame only the part up to
+  /// there counts: the world has then been turned by exactly the plan's angle. Steps walked while
+  /// turning are passed on unscaled, but for frozen resets. O(corners + others), allocates nothing.
+  ///
+  /// A plan whose end would face a way of less than twice the clearance is changed: the user faces
+  /// the freest of 36 directions, so that resets cannot follow each other on the spot for ever.
+  Step frame(const SteerInput& input, ResetPolicy& policy);
+
+  /// The same alone, with the 2:1 turn.
   Step frame(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space);
 
   const ResetState& state() const { return state_; }
@@ -91,13 +117,24 @@ class Reset {
   double stoppingDistance(double speed) const;
 
  private:
-  bool mustStop(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space,
-                Step& step) const;
-  bool setsOffTowardBorder(const Motion& motion, glm::dvec2 physical,
-                           const TrackedSpace& space) const;
+  /// Whom and where, as far as the trigger needs it.
+  struct Around {
+    const Motion& motion;
+    glm::dvec2 physical;
+    const TrackedSpace& space;
+    std::span<const OtherUser> others;
+  };
+  bool mustStop(const Around& around, Step& step) const;
+  bool isAtBorder(const Around& around) const;
+  bool setsOffTowardBorder(const Around& around) const;
+  bool waitsFor(const Around& around, Step& step);  // whether a reset begins
+  void begin(const ResetPlan& plan, const Motion& motion);
+  void carryOn(const Motion& motion, Step& step);
 
   ResetSettings settings_;
   ResetState state_;
+  ResetPlan plan_;
+  glm::dvec2 backward_{0.0};  // unit vector of stepping back
   std::uint64_t count_ = 0;
   int resetsSinceWalk_ = 0;  ///< begun since the user last walked
 };

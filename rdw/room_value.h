@@ -9,8 +9,11 @@
 // did not know the room ours was worse than no prediction at all.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "rdw/gains.h"
@@ -19,9 +22,24 @@
 
 namespace forewalk::rdw {
 
+/// Where somebody looks in the room after a reset.
+enum class ThoughtReset : std::uint8_t {
+  kTurnRound,  ///< back where they came from, as after the 2:1 turn
+  kAnyWay,     ///< wherever the room is worth most
+};
+
+/// How a corner of buildings turns, and how often; to either side alike.
+struct CornerOdds {
+  double turn;  ///< virtual radians, (0, pi]
+  double odds;
+};
+
 struct RoomValueSettings {
-  double straight = 4.0;      ///< mean length of walking between corners, virtual metres, > 0
-  double turnBack = 0.3;      ///< share of corners that turn by 180 degrees; the rest turn by 90
+  double straight = 4.0;  ///< mean length of walking between corners, virtual metres, > 0
+  std::array<CornerOdds, 4> corners{{{0.5 * kPi, 0.7}, {kPi, 0.3}, {kPi, 0.0}, {kPi, 0.0}}};
+  ///< odds sum to 1
+  bool translation = false;  ///< walking is scaled: translationMax virtual metres a metre
+  ThoughtReset reset = ThoughtReset::kTurnRound;
   double foresight = 15.0;    ///< a reset so many metres later counts 1/e as much, metres, > 0
   double stopsBefore = 0.25;  ///< free floor ahead of somebody whom a reset stopped, metres, >= 0
   double stopping = 0.43;     ///< walked between a reset's sign and standing, metres, >= 0
@@ -29,6 +47,7 @@ struct RoomValueSettings {
   int headings = 24;          ///< of the grid, a multiple of 4
   int places = 600;           ///< of the grid, about so many at most
   int sweeps = 40;            ///< of the iteration
+  double step = 0.0;          ///< of walking between choices, metres; 0: two places of the grid
 };
 
 /// Somebody who walks through the room in thought: where a stretch of walking ends.
@@ -39,9 +58,10 @@ struct ThoughtStep {
   bool reset;      ///< stopped and turned round at its end
 };
 
-/// Walks up to `length` metres from `position` along `heading` while the path bends by `curvature`
-/// (1/m, left positive). Where the border would be too near at the end, the user is stopped before
-/// it as a reset would, and turned round. Good for bends of up to about a right angle. O(corners).
+/// Walks up to `length` metres (physical) from `position` along `heading` while the path bends by
+/// `curvature` (1/m, left positive). Where the border would be too near at the end, the user is
+/// stopped before it as a reset would, and turned round. Good for bends of up to about a right
+/// angle. O(corners).
 ThoughtStep stepInThought(const TrackedSpace& space, glm::dvec2 position, double heading,
                           double length, double curvature, const RoomValueSettings& settings);
 
@@ -63,18 +83,34 @@ class RoomValue {
     return sample(values_, position, heading);
   }
 
+  /// About the distance to the border, metres, negative outside. Must not be empty. O(1).
+  double borderDistance(glm::dvec2 position) const { return sampleFlat(borders_, position); }
+
+  /// What `at` is at best, whatever the heading. Must not be empty. O(1).
+  double least(glm::dvec2 position) const { return sampleFlat(least_, position); }
+
+  /// The heading that is worth most near `position`. Must not be empty. O(1).
+  double bestHeading(glm::dvec2 position) const;
+
  private:
   std::size_t node(int x, int y) const {
     return static_cast<std::size_t>(y * width_ + x) * static_cast<std::size_t>(headings_);
   }
   double sample(const std::vector<float>& field, glm::dvec2 position, double heading) const;
-  void foreseeCorners(const GainLimits& limits, double corner, double turnBack,
+  void foreseeCorners(const GainLimits& limits, double corner, std::span<const CornerOdds> corners,
                       std::vector<float>& onward) const;
+  void rankHeadings();
+  double sampleFlat(const std::vector<float>& field, glm::dvec2 position) const;
 
   glm::dvec2 origin_{0.0};
-  double cell_ = 1.0;  ///< metres
+  glm::dvec2 cell_{
+      1.0};  ///< metres; places lie on the bounds, so that mirrored rooms have mirrored ones
   int width_ = 0, depth_ = 0, headings_ = 0;
   std::vector<float> values_;  ///< row after row of places, at each all headings from 0 on
+  std::vector<float>
+      borders_;  ///< of each place: the distance to the border, metres, negative outside
+  std::vector<float> least_;         ///< of each place
+  std::vector<std::uint16_t> best_;  ///< the heading that it is of
 };
 
 }  // namespace forewalk::rdw

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace forewalk::rdw {
@@ -59,12 +60,15 @@ PreparedWorld prepareWorld(std::shared_ptr<const navmesh::World> world,
 }
 
 Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings settings,
-                 std::unique_ptr<Controller> controller)
+                 std::unique_ptr<Controller> controller, std::unique_ptr<ResetPolicy> policy)
     : world_(std::move(world)),
       settings_(std::move(settings)),
       controller_(std::move(controller)),
+      policy_(std::move(policy)),
       tracker_(settings_.motion),
-      reset_(settings_.reset) {
+      reset_(settings_.reset),
+      chest_(std::numeric_limits<double>::quiet_NaN()) {
+  others_.reserve(kMostOthers);
   PreparedWorld prepared = prepareWorld(world_, settings_.prediction, settings_.method,
                                         std::exchange(settings_.frontIndex, nullptr),
                                         std::exchange(settings_.states, nullptr));
@@ -72,6 +76,9 @@ Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings se
   frontIndex_ = std::move(prepared.frontIndex);
   frontScratch_ = std::move(prepared.frontScratch);
   states_ = std::move(prepared.states);
+  if (controller_->wantsLikelihoods() || policy_->wantsLikelihoods()) {
+    likelihood_ = std::make_unique<prediction::WayLikelihood>(settings_.likelihood);
+  }
 }
 
 Session::Session(Session&&) noexcept = default;
@@ -82,8 +89,13 @@ tl::expected<Session, Error> Session::make(std::shared_ptr<const navmesh::World>
                                            SessionSettings settings) {
   assert(world != nullptr);
   if (auto ok = validate(settings.limits); !ok) return tl::unexpected(ok.error());
-  auto controller = makeController(settings.controller);
+  tl::expected<std::unique_ptr<Controller>, Error> controller =
+      settings.makeController ? settings.makeController()
+                              : rdw::makeController(settings.controller);
   if (!controller) return tl::unexpected(controller.error());
+  tl::expected<std::unique_ptr<ResetPolicy>, Error> policy =
+      settings.makeReset ? settings.makeReset() : rdw::makeReset(settings.resetPolicy);
+  if (!policy) return tl::unexpected(policy.error());
   const auto outOfRange = [](std::string message) {
     return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
   };
@@ -121,8 +133,10 @@ tl::expected<Session, Error> Session::make(std::shared_ptr<const navmesh::World>
     return outOfRange("session: a limit of 0 predicted polygons cannot work: give 1 or more.");
 
   (*controller)->prepare(settings.space, settings.limits);
+  (*policy)->prepare(settings.space, settings.limits);
   const std::optional<VirtualStart> start = settings.start;
-  Session session(std::move(world), std::move(settings), std::move(*controller));
+  Session session(std::move(world), std::move(settings), std::move(*controller),
+                  std::move(*policy));
   if (start && !session.teleport(*start)) {
     return tl::unexpected(Error{ErrorCode::kPositionOffNavMesh,
                                 fmt::format("session: the start ({}, {}, {}) heading {} rad is not "
@@ -141,6 +155,7 @@ bool Session::teleport(const VirtualStart& to) {
   pending_ = PlanarPose{glm::dvec2(place->plan), wrapAngle(static_cast<double>(to.heading))};
   groundTaken_ = false;
   controller_->restart();
+  if (likelihood_ != nullptr) likelihood_->restart();
   return true;
 }
 
@@ -194,6 +209,7 @@ void Session::enter(PreparedWorld& next) {
   std::swap(frontScratch_, next.frontScratch);
   std::swap(states_, next.states);
   result_.graph = nullptr;
+  result_.likelihoods = {};
   if (location_.polygon == navmesh::kNoPolygon) return;
   // From where the user stood on the old ground: heads and walls beside it are the frame's matter.
   const auto place = nearestGround(location_.position());
@@ -269,7 +285,10 @@ void Session::placeOnFloor() {
 
 void Session::predict() {
   result_.graph = nullptr;
-  if (!settings_.alwaysPredict && !controller_->wantsPrediction()) return;
+  result_.likelihoods = {};
+  if (settings_.openPlane) return;
+  if (!settings_.alwaysPredict && !controller_->wantsPrediction() && !policy_->wantsPrediction())
+    return;
   const prediction::PredictionGraph& graph =
       frontScratch_ != nullptr
           ? prediction::predictFronts(world_->graph, location_, settings_.horizon, *frontScratch_,
@@ -278,24 +297,80 @@ void Session::predict() {
                                 states_.get());
   if ((graph.flags & prediction::kPolygonLimit) != 0) result_.flags |= kGraphLimit;
   result_.graph = &graph;
+  if (likelihood_ == nullptr) return;
+  // Who is turned round by a reset looks everywhere and means nothing by it.
+  prediction::Evidence evidence{result_.motion.dt, std::nullopt, std::nullopt};
+  if (!reset_.state().turning) evidence.head = directionOf(result_.virtualPlan.heading);
+  likelihood_->update(graph, evidence);
+  result_.likelihoods = {likelihood_->probabilities(), likelihood_->none()};
+}
+
+void Session::setOthers(std::span<const OtherUser> others) {
+  const auto distance2 = [&](const OtherUser& other) {
+    const glm::dvec2 to = other.position - result_.physical.position;
+    return glm::dot(to, to);
+  };
+  others_.clear();
+  for (const OtherUser& other : others) {
+    if (!std::isfinite(distance2(other)) || !std::isfinite(glm::dot(other.velocity, other.facing)))
+      continue;
+    if (others_.size() < kMostOthers) {
+      others_.push_back(other);
+      continue;
+    }
+    const auto furthest = std::max_element(
+        others_.begin(), others_.end(),
+        [&](const OtherUser& a, const OtherUser& b) { return distance2(a) < distance2(b); });
+    if (distance2(other) < distance2(*furthest)) *furthest = other;
+  }
+}
+
+// Physical radians.
+double Session::heading() const {
+  const Motion& motion = result_.motion;
+  if (settings_.heading == HeadingSource::kChest && std::isfinite(chest_)) return chest_;
+  if (settings_.heading == HeadingSource::kWalking && motion.walking)
+    return headingOf(motion.walkingDirection);
+  return result_.physical.heading;
 }
 
 const FrameResult& Session::steer() {
   const Motion& motion = result_.motion;
+  const PlanarPose physical{result_.physical.position, heading()};
+  const PlanarPose seen{result_.virtualPlan.position,
+                        settings_.heading == HeadingSource::kHead
+                            ? result_.virtualPlan.heading
+                            : wrapAngle(physical.heading + redirector_.redirection().yaw)};
+  const SteerInput input{motion,
+                         physical,
+                         seen,
+                         settings_.space,
+                         settings_.limits,
+                         redirector_.redirection(),
+                         result_.graph,
+                         result_.likelihoods,
+                         others_,
+                         world_.get(),
+                         location_,
+                         settings_.haptic ? &*settings_.haptic : nullptr};
   Reset::Step step;
-  if (settings_.resets) step = reset_.frame(motion, result_.physical.position, settings_.space);
+  if (settings_.resets) step = reset_.frame(input, *policy_);
   result_.flags |= step.flags;
   result_.gains = Gains{};
   Applied applied;
   if (step.began || step.ended || reset_.state().turning) {
-    if (step.began) controller_->restart();
-    if (!step.began) result_.gains.rotation = 2.0f;
-    applied = redirector_.turnWorld(physical_, step.yaw);
+    if (step.began) {
+      controller_->restart();
+      hold_.restart();
+    } else {
+      result_.gains.rotation = static_cast<float>(resetGain_);
+    }
+    if (reset_.state().turning) resetGain_ = reset_.state().gain;
+    applied = step.frozen ? redirector_.freezeWorld(physical_, step.yaw, motion.step)
+                          : redirector_.turnWorld(physical_, step.yaw);
   } else {
     if (motion.usable()) {
-      result_.gains =
-          controller_->steer({motion, result_.physical, result_.virtualPlan, settings_.space,
-                              settings_.limits, redirector_.redirection(), result_.graph});
+      result_.gains = hold_.held(controller_->steer(input), motion.dt, motion.distance);
     } else if ((motion.flags & kTimeStoodStill) == 0) {
       controller_->restart();
     }

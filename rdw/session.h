@@ -15,12 +15,15 @@
 #include "navmesh/polygon_states.h"
 #include "navmesh/world.h"
 #include "prediction/front_graph.h"
+#include "prediction/likelihood.h"
 #include "prediction/predict.h"
 #include "rdw/controller.h"
 #include "rdw/gains.h"
 #include "rdw/motion.h"
 #include "rdw/redirector.h"
 #include "rdw/reset.h"
+#include "rdw/reset_policy.h"
+#include "rdw/steering_hold.h"
 #include "rdw/tracked_space.h"
 
 namespace forewalk::rdw {
@@ -35,14 +38,21 @@ struct SessionSettings {
   TrackedSpace space;
   GainLimits limits;
   std::string controller = "s2c-predictive";  ///< of controllerNames()
-  float horizon = 10.0f;  ///< of prediction, metres along the virtual path, (0, 1000]
+  ControllerMaker makeController;  ///< one of your own, instead; empty: `controller` counts
+  float horizon = 10.0f;           ///< of prediction, metres along the virtual path, (0, 1000]
 
   /// Predict in every frame, even where the controller does not ask (to draw it, to compare costs).
   bool alwaysPredict = true;
 
+  /// The world is an open plane without ways: nothing is predicted, whoever asks.
+  bool openPlane = false;
+
   /// How the graph is made (prediction_graph.h), and what graphs by fronts take for a way.
   prediction::Method method = prediction::Method::kPolygon;
   prediction::FrontSettings front;
+
+  /// Which way people take, for controllers that want to know.
+  prediction::LikelihoodParameters likelihood;
 
   /// For graphs by fronts: the world's index, where it has been made for another session already.
   /// None: the session makes its own.
@@ -62,8 +72,15 @@ struct SessionSettings {
 
   prediction::PredictionLimits prediction;
   MotionSettings motion;
+  HeadingSource heading = HeadingSource::kHead;
+
+  /// A thing that is to be reached in both spaces at once (controller `haptics`).
+  std::optional<HapticTarget> haptic;
+
   ResetSettings reset;
-  bool resets = true;  ///< false: nobody is ever stopped (for looking at controllers alone)
+  std::string resetPolicy = "two-one-turn";  ///< of resetNames()
+  ResetMaker makeReset;  ///< one of your own, instead; empty: `resetPolicy` counts
+  bool resets = true;    ///< false: nobody is ever stopped (for looking at controllers alone)
 };
 
 /// Another world to walk in, with all that a session needs to do so: made off the frame, so that
@@ -96,7 +113,7 @@ struct FrameResult {
   PlanarPose physical;                  ///< the body in the room
   PlanarPose virtualPlan;               ///< virtualPose on the plan, in doubles
   Motion motion;                        ///< physical
-  Gains gains;                          ///< as applied; in a reset: rotation 2, the rest neutral
+  Gains gains;                          ///< as applied; in a reset: its rotation, the rest neutral
   double injectedYaw = 0.0;             ///< radians by which the world was turned about the head
   glm::dvec2 injectedTranslation{0.0};  ///< metres by which the user was pushed, virtual plan
   ResetState reset;
@@ -105,6 +122,7 @@ struct FrameResult {
   std::uint32_t flags = kFrameSound;  ///< of FrameFlags
   navmesh::Location location;  ///< the user's feet on the navmesh; kNoPolygon until first found
   const prediction::PredictionGraph* graph = nullptr;  ///< this frame's; null where none was made
+  WayLikelihoods likelihoods;  ///< of its ways; empty where the controller does not want them
 };
 
 /// What a session knows that its settings and its world do not: small, so that it can travel, and
@@ -121,8 +139,8 @@ struct SessionState {
 class Session {
  public:
   /// Fails (kSettingOutOfRange, kPositionOffNavMesh) when a setting cannot work: an unknown
-  /// controller, limits out of range, a horizon outside (0, 1000] m, a persistence outside [0, 100]
-  /// m, or a start more than snap.distance beside the navmesh.
+  /// controller or reset, limits out of range, a horizon outside (0, 1000] m, a persistence outside
+  /// [0, 100] m, or a start more than snap.distance beside the navmesh.
   static tl::expected<Session, Error> make(std::shared_ptr<const navmesh::World> world,
                                            SessionSettings settings);
 
@@ -155,6 +173,15 @@ class Session {
   const navmesh::World& world() const { return *world_; }
   const std::shared_ptr<const navmesh::World>& sharedWorld() const { return world_; }
   const Controller& controller() const { return *controller_; }
+  const ResetPolicy& resetPolicy() const { return *policy_; }
+
+  /// Who else is in the room from the next frame on, until told otherwise (other_user.h). Of more
+  /// than kMostOthers the nearest to the user are kept; positions that are not finite are left out.
+  /// Allocates nothing.
+  void setOthers(std::span<const OtherUser> others);
+
+  /// Where the user's chest points from the next frame on, physical radians; not a number: unknown.
+  void setChest(double heading) { chest_ = heading; }
 
   /// Puts the user's next frame at another virtual place, looking along its heading (a teleport, a
   /// lift). False, and nothing changes, where it is off the navmesh.
@@ -187,20 +214,27 @@ class Session {
 
  private:
   Session(std::shared_ptr<const navmesh::World> world, SessionSettings settings,
-          std::unique_ptr<Controller> controller);
+          std::unique_ptr<Controller> controller, std::unique_ptr<ResetPolicy> policy);
   void placeOnFloor();
+  double heading() const;
   std::optional<navmesh::Location> nearestGround(glm::vec3 feet) const;
 
   std::shared_ptr<const navmesh::World> world_;
   SessionSettings settings_;  // without frontIndex and states: they are tied to the world
   std::unique_ptr<Controller> controller_;
+  std::unique_ptr<ResetPolicy> policy_;
   std::unique_ptr<prediction::Scratch> scratch_;  // by polygons, else null
   std::shared_ptr<const prediction::FrontIndex> frontIndex_;
   std::unique_ptr<prediction::FrontScratch> frontScratch_;  // by fronts, else null
   std::shared_ptr<const navmesh::PolygonStates> states_;    // null: all is open
+  std::unique_ptr<prediction::WayLikelihood> likelihood_;   // null: not wanted
   MotionTracker tracker_;
   Redirector redirector_;
   Reset reset_;
+  SteeringHold hold_;
+  double resetGain_ = 2.0;  // of the reset under way
+  std::vector<OtherUser> others_;
+  double chest_;                       // NaN: unknown
   HeadPose physical_;                  ///< the last sound one
   std::optional<PlanarPose> pending_;  ///< virtual pose that the next frame's head is put at
   navmesh::Location location_;

@@ -41,7 +41,7 @@ std::optional<Error> firstProblem(const World* world, const SimulationConfig& co
   if (world == nullptr) {
     const auto controller = makeController(config.session.controller);
     if (!controller) return controller.error();
-    if ((*controller)->wantsPrediction()) {
+    if (!(*controller)->steersWithoutGraph()) {
       return problem(
           fmt::format("controller {} steers by prediction and needs a navmesh; give a scene, or "
                       "take a reactive one.",
@@ -219,7 +219,8 @@ tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> worl
   std::shared_ptr<const World> floor = world;
   if (world == nullptr) {
     floor = openPlane(walker.start().floor);
-    settings.alwaysPredict = false;  // there are no ways to tell apart
+    settings.alwaysPredict = false;
+    settings.openPlane = true;  // there are no ways to tell apart
   }
   tl::expected<Session, Error> session = Session::make(std::move(floor), std::move(settings));
   if (!session) return tl::unexpected(session.error());

@@ -32,7 +32,8 @@ void readSpace(Fields& file, SimulationFile& into) {
   }
   if (!field->is_object()) return file.wrongKind("space", "the name of a file, or an object {...}");
   Fields fields(*field, "space.", file.problem());
-  for (const std::string_view name : {"format", "rectangle", "circle", "polygon", "holes"})
+  for (const std::string_view name :
+       {"format", "rectangle", "circle", "polygon", "holes", "shape", "area_m2"})
     fields.find(name);
   fields.finish();
   const tl::expected<TrackedSpace, Error> made = spaceFromJson(*field);
@@ -67,14 +68,28 @@ void readLimits(Fields& file, GainLimits& limits) {
   fields.finish();
 }
 
-void readReset(Fields& file, ResetSettings& reset) {
-  const Json* object = file.find("reset");
-  if (object == nullptr) return;
-  Fields fields(*object, "reset.", file.problem());
+void readResetPolicy(Fields& fields, std::string_view name, std::string& policy) {
+  const std::span<const std::string_view> names = resetNames();
+  std::size_t chosen = names.size();
+  fields.word(name, names, chosen);
+  if (chosen < names.size()) policy = names[chosen];
+}
+
+void readReset(Fields& file, SessionSettings& session) {
+  const Json* field = file.find("reset");
+  if (field == nullptr) return;
+  if (field->is_string()) return readResetPolicy(file, "reset", session.resetPolicy);
+  ResetSettings& reset = session.reset;
+  Fields fields(*field, "reset.", file.problem());
+  readResetPolicy(fields, "policy", session.resetPolicy);
   fields.number("reaction_s", 0.0, 10.0, reset.reactionTime);
   fields.number("deceleration_m_per_s2", 0.1, 1e9, reset.deceleration);
   fields.number("clearance_m", 0.0, 100.0, reset.clearance);
   fields.number("warning_s", 0.0, 60.0, reset.warningTime);
+  static constexpr std::string_view kTriggers[] = {"ahead", "border"};
+  auto trigger = static_cast<std::size_t>(reset.trigger);
+  fields.word("trigger", kTriggers, trigger);
+  reset.trigger = static_cast<ResetTrigger>(trigger);
   fields.finish();
 }
 
@@ -115,6 +130,13 @@ void readLegs(Fields& fields, Legs& legs) {
   legs.eitherSide = turn == 0;
 }
 
+void readCourse(Fields& fields, CourseKind kind, Course& course) {
+  course.kind = kind;
+  const bool round = kind == CourseKind::kCircle || kind == CourseKind::kFigureEight;
+  fields.number(round ? "radius_m" : "leg_m", 0.1, 1e4, course.size);
+  if (kind == CourseKind::kSawtooth) fields.number("turn_deg", 0.0, 180.0, course.turn, kDegree);
+}
+
 void readUser(Fields& file, SimulationFile& into) {
   User& user = into.simulation.user;
   const Json* object = file.find("user");
@@ -124,7 +146,8 @@ void readUser(Fields& file, SimulationFile& into) {
         "user is missing: say who walks, for example {\"kind\": \"wander\"}.");
   }
   Fields fields(*object, "user.", file.problem());
-  static constexpr std::string_view kKinds[] = {"waypoints", "wander", "legs", "recorded"};
+  static constexpr std::string_view kKinds[] = {"waypoints", "wander", "legs",         "recorded",
+                                                "sawtooth",  "circle", "figure-eight", "corridors"};
   std::size_t kind = std::size(kKinds);
   fields.word("kind", kKinds, kind);
   switch (kind) {
@@ -142,6 +165,12 @@ void readUser(Fields& file, SimulationFile& into) {
       fields.text("walks", into.walks);
       fields.text("walker", into.walker);
       if (into.walks.empty()) fields.wrongKind("walks", "the name of a file with recorded walks");
+      break;
+    case 4:
+    case 5:
+    case 6:
+    case 7:
+      readCourse(fields, static_cast<CourseKind>(kind - 4), user.plan.emplace<Course>());
       break;
     default:
       fields.wrongKind("kind", fmt::format("one of {}", fmt::join(kKinds, ", ")));
@@ -218,10 +247,14 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   fields.word("method", kMethods, method);
   session.method = static_cast<prediction::Method>(method);
   fields.number("persistence_m", 0.0, 100.0, session.front.persistence);
+  static constexpr std::string_view kHeadings[] = {"head", "chest", "walking"};
+  auto heading = static_cast<std::size_t>(session.heading);
+  fields.word("heading", kHeadings, heading);
+  session.heading = static_cast<HeadingSource>(heading);
   fields.number("rate_hz", 5.0, 1000.0, simulation.rate);
   fields.integer("seed", 0, ~std::uint64_t{0}, simulation.seed);
   fields.boolean("resets", session.resets);
-  readReset(fields, session.reset);
+  readReset(fields, session);
   readStop(fields, simulation.stop);
   readUser(fields, file);
   readStart(fields, simulation.start);

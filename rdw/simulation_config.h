@@ -11,7 +11,9 @@
 //     "horizon_m": 10, "rate_hz": 90, "seed": 1, "predict_always": true,
 //     "method": "polygon", "persistence_m": 0.75,
 //     "resets": true,
-//     "reset": {"reaction_s": 0.3, "deceleration_m_per_s2": 3, "clearance_m": 0.2, "warning_s": 1},
+//     "heading": "head",
+//     "reset": {"policy": "two-one-turn", "trigger": "ahead", "reaction_s": 0.3, "deceleration_m_per_s2": 3,
+//               "clearance_m": 0.2, "warning_s": 1},
 //     "stop": {"virtual_m": 1000, "seconds": 3600},
 //     "user": {"kind": "wander", "speed_m_per_s": 1, "turn_rate_deg_per_s": 90},
 //     "start": {"position": [0, 0, 0], "heading_deg": 0},
@@ -29,10 +31,16 @@
 //   rotation_min, rotation_max, curvature_max_per_m, bending_min, bending_max.
 // - method: how prediction graphs are made, polygon or front (prediction/prediction_graph.h);
 //   persistence_m: graphs by fronts take shorter ways for a part of the one they leave.
+// - heading: what controllers take for it: head, chest or walking (rdw/controller.h).
+// - reset: the name of a reset (rdw/resets/README.md), or an object; trigger: ahead, or border, as
+//   the published simulations do it (rdw/reset.h).
 // - user, by kind:
 //     waypoints  "waypoints": [[x, y, z], ...], "loop": false
 //     wander     "goal_distance_min_m": 3
 //     legs       "leg_min_m": 2, "leg_max_m": 8, "turn_deg": 90, "turn": "either_side" or "uniform"
+//     sawtooth   "leg_m": 5, "turn_deg": 120
+//     circle, figure-eight   "radius_m": 5
+//     corridors  "leg_m": 5
 //     recorded   "walks": "walks.csv", "walker": "u0" (without: the first)
 //   and of all: speed_m_per_s, turn_rate_deg_per_s, stop_angle_deg, reaction_s,
 //   acceleration_m_per_s2, deceleration_m_per_s2, pause_min_s, pause_max_s, look_amplitude_deg,

@@ -16,42 +16,6 @@ double lengthOf(glm::dvec2 v) { return std::sqrt(v.x * v.x + v.y * v.y); }
 // The toolkits' sign: nothing is on the left.
 double signOf(double x) { return x < 0.0 ? -1.0 : 1.0; }
 
-class Reactive final : public Controller {
- public:
-  Reactive(SteerRule rule, const SteerToSettings& settings) : rule_(rule), core_(settings) {}
-
-  Gains steer(const SteerInput& input) override {
-    const glm::dvec2 position = input.physical.position;
-    const glm::dvec2 heading = directionOf(input.physical.heading);
-    const glm::dvec2 target = rule_ == SteerRule::kCentre
-                                  ? centre_.target(position, heading, input.space)
-                                  : orbitTarget(position, heading, input.space);
-    return asGains(core_.steer(input.motion, position, heading, target, input.limits), input.motion,
-                   input.limits);
-  }
-
-  void restart() override {
-    core_.restart();
-    centre_.restart();
-  }
-
-  std::string_view name() const override { return rule_ == SteerRule::kCentre ? "s2c" : "s2o"; }
-  bool wantsPrediction() const override { return false; }
-
- private:
-  SteerRule rule_;
-  SteerToCore core_;
-  CentreTarget centre_;
-};
-
-class NoController final : public Controller {
- public:
-  Gains steer(const SteerInput&) override { return {}; }
-  void restart() override {}
-  std::string_view name() const override { return "none"; }
-  bool wantsPrediction() const override { return false; }
-};
-
 }  // namespace
 
 Steering SteerToCore::steer(const Motion& motion, glm::dvec2 position, glm::dvec2 heading,
@@ -132,11 +96,5 @@ glm::dvec2 orbitTarget(glm::dvec2 position, glm::dvec2 heading, const TrackedSpa
   const double clockwise = std::abs(angleBetween(heading, targets.clockwise - position));
   return clockwise < counterClockwise ? targets.clockwise : targets.counterClockwise;
 }
-
-std::unique_ptr<Controller> makeReactive(SteerRule rule, const SteerToSettings& settings) {
-  return std::make_unique<Reactive>(rule, settings);
-}
-
-std::unique_ptr<Controller> makeNoController() { return std::make_unique<NoController>(); }
 
 }  // namespace forewalk::rdw

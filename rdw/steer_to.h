@@ -100,7 +100,4 @@ glm::dvec2 orbitTarget(glm::dvec2 position, glm::dvec2 heading, const TrackedSpa
 /// The reactive controllers: they steer by where the user looks, as published.
 std::unique_ptr<Controller> makeReactive(SteerRule rule, const SteerToSettings& settings = {});
 
-/// Neutral gains, always.
-std::unique_ptr<Controller> makeNoController();
-
 }  // namespace forewalk::rdw

@@ -245,6 +245,18 @@ void TrackedSpace::measure() {
     lower_ = glm::min(lower_, corner);
     upper_ = glm::max(upper_, corner);
   }
+  shorterSide_ = INFINITY;
+  const std::span<const glm::dvec2> border = ring(0);
+  for (std::size_t i = 0, j = border.size() - 1; i < border.size(); j = i++) {
+    const glm::dvec2 edge = border[i] - border[j];
+    const glm::dvec2 normal = glm::dvec2(-edge.y, edge.x) / lengthOf(edge);
+    double least = INFINITY, most = -INFINITY;
+    for (const glm::dvec2 corner : border) {
+      least = std::min(least, dot(corner, normal));
+      most = std::max(most, dot(corner, normal));
+    }
+    shorterSide_ = std::min(shorterSide_, most - least);
+  }
   area_ = 0.0;
   for (std::size_t r = 0; r < ringCount(); ++r) area_ += signedArea(ring(r));
 
@@ -290,10 +302,6 @@ void TrackedSpace::measure() {
       push(cell.middle + half * corner, half);
     }
   }
-}
-
-double TrackedSpace::shorterSide() const {
-  return std::min(upper_.x - lower_.x, upper_.y - lower_.y);
 }
 
 bool TrackedSpace::contains(glm::dvec2 point) const { return signedDistance(point) >= -kOnBorder; }

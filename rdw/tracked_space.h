@@ -47,7 +47,8 @@ class TrackedSpace {
       std::span<const glm::dvec2> border, std::span<const std::vector<glm::dvec2>> holes = {});
 
   /// Reads `forewalk.space/1`: {"format": "forewalk.space/1", and one of "rectangle": [w, d],
-  /// "circle": r, "polygon": [[x, z], ...] with optional "holes": [[[x, z], ...], ...]}.
+  /// "circle": r, "polygon": [[x, z], ...] with optional "holes": [[[x, z], ...], ...], "shape":
+  /// "L" with "area_m2": 50 (room_shapes.h)}.
   /// Coordinates are world x and z, metres. Fails as above, with the line for malformed JSON.
   static tl::expected<TrackedSpace, Error> fromJson(std::string_view text);
 
@@ -91,7 +92,10 @@ class TrackedSpace {
   double area() const { return area_; }             ///< free floor, m^2
   glm::dvec2 lowerBound() const { return lower_; }  ///< corners of the bounding box, plan
   glm::dvec2 upperBound() const { return upper_; }
-  double shorterSide() const;  ///< of the bounding box, metres
+
+  /// The least width of the border, seen along any of its edges, metres: the shorter side of a
+  /// rectangle, however it stands.
+  double shorterSide() const { return shorterSide_; }
 
   /// Rings: 0 is the border, the rest are holes. Lives as long as the space.
   std::size_t ringCount() const { return ringStart_.size() - 1; }
@@ -111,6 +115,7 @@ class TrackedSpace {
   glm::dvec2 upper_{0.0};
   double clearance_ = 0.0;
   double area_ = 0.0;
+  double shorterSide_ = 0.0;
 };
 
 }  // namespace forewalk::rdw

@@ -10,6 +10,7 @@
 
 #include "navmesh/file_text.h"
 #include "rdw/json_text.h"
+#include "rdw/room_shapes.h"
 
 namespace forewalk::rdw {
 namespace {
@@ -115,18 +116,31 @@ tl::expected<TrackedSpace, Error> spaceFromJson(const Json& json) {
   const Json* circle = find("circle");
   const Json* polygon = find("polygon");
   const Json* holes = find("holes");
-  const int shapes = (rectangle != nullptr) + (circle != nullptr) + (polygon != nullptr);
+  const Json* shape = find("shape");
+  const Json* area = find("area_m2");
+  const int shapes = (rectangle != nullptr) + (circle != nullptr) + (polygon != nullptr) +
+                     (shape != nullptr);
   if (shapes != 1) {
     return refused(
         ErrorCode::kDataDamaged,
-        fmt::format("names {} shapes, give one of \"rectangle\", \"circle\", \"polygon\".",
+        fmt::format("names {} shapes, give one of \"rectangle\", \"circle\", \"polygon\", "
+                    "\"shape\".",
                     shapes));
   }
   if (holes != nullptr && polygon == nullptr) {
     return refused(ErrorCode::kDataDamaged,
                    "\"holes\" needs \"polygon\": give the border as corners.");
   }
+  if (area != nullptr && shape == nullptr) {
+    return refused(ErrorCode::kDataDamaged, "\"area_m2\" needs \"shape\": name one.");
+  }
   if (polygon != nullptr) return polygonFromJson(*polygon, holes);
+  if (shape != nullptr) {
+    if (!shape->is_string()) return wrongShape("shape", "a name");
+    if (area == nullptr || !area->is_number())
+      return wrongShape("area_m2", "a number, the floor of the shape");
+    return roomShape(shape->get_ref<const std::string&>(), area->get<double>());
+  }
   if (circle != nullptr) {
     if (!circle->is_number()) return wrongShape("circle", "a number, its radius");
     return TrackedSpace::circle(circle->get<double>());

@@ -28,6 +28,7 @@ constexpr double kWaiting = 0.05;   // m/s; whoever makes way and is left no mor
 constexpr double kStrayed = 0.3;    // metres beside the planned way at which it is planned anew
 constexpr double kOverturn = 1e-4;  // radians turned beyond the end of a reset, so that
                                     // rounding cannot leave a remainder nobody turns
+constexpr double kOverstep = 1e-4;  // metres stepped back beyond the end, for the same reason
 constexpr double kStandingSpeed = 0.05;  // m/s; slower frames of a recording are standing
 constexpr double kHurry = 5.0;           // m/s; a recorded walker who is behind the recording
 constexpr int kGoalDraws = 32;           // then a near goal is taken
@@ -288,6 +289,25 @@ class LegGoals : public Goals {
   std::mt19937_64 rng_;
 };
 
+class CourseGoals : public Goals {
+ public:
+  CourseGoals(const Course& course, glm::dvec2 start, double heading, std::uint64_t seed)
+      : points_(course, {start, heading}), rng_(seed) {}
+
+  std::optional<Location> next(const Location& here) override {
+    return Location{navmesh::kNoPolygon, glm::vec2(points_.next(rng_)), here.height, false};
+  }
+
+ private:
+  CoursePoints points_;
+  std::mt19937_64 rng_;
+};
+
+/// The way to turn in a reset: as begun, else as asked, else `liked`.
+int sideOf(const ResetState& reset, int liked) {
+  return reset.wanted != 0 ? reset.wanted : reset.direction != 0 ? reset.direction : liked;
+}
+
 /// Follows a planned way from goal to goal.
 class PathWalker final : public Walker {
  public:
@@ -417,8 +437,12 @@ class PathWalker final : public Walker {
       left -= braking;
     }
     if (left <= 0.0) return;
+    if (reset.back > 0.0) {
+      step(-std::min(settings_.speed * left, reset.back + kOverstep) * ahead);
+      return;
+    }
     const double turned = std::min(settings_.turnRate * left, reset.remaining + kOverturn);
-    turnBody(turned * (reset.direction != 0 ? reset.direction : lastTurn_));
+    turnBody(turned * sideOf(reset, lastTurn_));
   }
 
   // Whoever had to stop for a reset may have walked past the point they were going to. They do not
@@ -487,9 +511,13 @@ class RecordedWalker final : public Walker {
   void advance(double dt, const FrameResult& frame, const Redirection& redirection) override {
     standing_ = false;
     if (frame.reset.turning) {
+      if (frame.reset.back > 0.0) {
+        const double back = std::min(settings_.speed * dt, frame.reset.back + kOverstep);
+        step(-back * direction_);
+        return;
+      }
       const double turned = std::min(settings_.turnRate * dt, frame.reset.remaining + kOverturn);
-      body_.heading = wrapAngle(body_.heading +
-                                turned * (frame.reset.direction != 0 ? frame.reset.direction : 1));
+      body_.heading = wrapAngle(body_.heading + turned * sideOf(frame.reset, 1));
       return;
     }
     if (next_ == frames_.size()) {
@@ -507,6 +535,7 @@ class RecordedWalker final : public Walker {
     const double recorded = glm::distance(target.plan, frames_[next_ - 1].plan);
     const double most = std::max(kHurry * dt, 1.5 * recorded);
     step(wanted * std::min(1.0, most / std::max(glm::length(wanted), 1e-12)));
+    if (frame.motion.walking) direction_ = frame.motion.walkingDirection;
     body_.heading =
         wrapAngle(body_.heading + wrapAngle(target.heading - seen.heading) /
                                       static_cast<double>(std::max(frame.gains.rotation, 0.1f)));
@@ -521,6 +550,7 @@ class RecordedWalker final : public Walker {
  private:
   std::vector<WalkFrame> frames_;
   std::size_t next_ = 1;
+  glm::dvec2 direction_{0.0};  // of travel before a reset, physical
 };
 
 std::uint32_t largestComponent(const World& world) {
@@ -668,6 +698,13 @@ tl::expected<std::unique_ptr<Walker>, Error> makeWalker(std::shared_ptr<const Wo
     goals = std::make_unique<WanderGoals>(
         PlacesByArea(*world, world->graph.component[index(from->polygon)]), wander->goalDistanceMin,
         goalSeed);
+  } else if (const auto* course = std::get_if<Course>(&user.plan)) {
+    const std::array<Ranged, 2> ranged{{{"leg or radius", course->size, 0.1, 1e4, "m"},
+                                        {"turn of a sawtooth", course->turn, 0.0, kPi, "rad"}}};
+    if (const std::optional<Error> error = firstOutOfRange(ranged)) return tl::unexpected(*error);
+    heading = heading.value_or(0.0);
+    goals = std::make_unique<CourseGoals>(*course, glm::dvec2(from->plan), *heading, goalSeed);
+    world = nullptr;  // as legs
   } else {
     const Legs& legs = std::get<Legs>(user.plan);
     const std::array<Ranged, 3> ranged{{{"shortest leg", legs.lengthMin, 0.1, 1e4, "m"},

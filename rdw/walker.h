@@ -16,6 +16,7 @@
 
 #include "navmesh/error.h"
 #include "navmesh/world.h"
+#include "rdw/course.h"
 #include "rdw/pose.h"
 #include "rdw/session.h"
 #include "rdw/walk_file.h"
@@ -72,7 +73,7 @@ struct Recorded {
 /// Who walks.
 struct User {
   WalkerSettings walker;
-  std::variant<Waypoints, Wander, Legs, Recorded> plan = Wander{};
+  std::variant<Waypoints, Wander, Legs, Recorded, Course> plan = Wander{};
 };
 
 /// Where a walk begins. What is not given follows from the plan: the first waypoint; a random place

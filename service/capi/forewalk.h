@@ -204,7 +204,29 @@ enum {
   FOREWALK_CONTROLLER_S2C = 1,            /* steer-to-center as published */
   FOREWALK_CONTROLLER_S2O = 2,            /* steer-to-orbit as published */
   FOREWALK_CONTROLLER_S2C_PREDICTIVE = 3, /* the same fed by the prediction graph; the default */
-  FOREWALK_CONTROLLER_S2O_PREDICTIVE = 4
+  FOREWALK_CONTROLLER_S2O_PREDICTIVE = 4,
+  FOREWALK_CONTROLLER_S2MT = 5,        /* the rest as rdw/controllers/README.md says */
+  FOREWALK_CONTROLLER_S2MT_CENTRE = 6,
+  FOREWALK_CONTROLLER_ZIGZAG = 7,
+  FOREWALK_CONTROLLER_P2R = 8,
+  FOREWALK_CONTROLLER_MESSINGER = 9,
+  FOREWALK_CONTROLLER_DYNAMIC_APF = 10,
+  FOREWALK_CONTROLLER_HAPTICS = 11,
+  FOREWALK_CONTROLLER_ARC = 12,
+  FOREWALK_CONTROLLER_VISIBILITY = 13
+};
+
+/* How a reset turns the user. */
+typedef int32_t forewalk_reset;
+enum {
+  FOREWALK_RESET_TWO_ONE_TURN = 0,  /* 180 degrees either way, 360 seen; the default */
+  FOREWALK_RESET_FREEZE_TURN = 1,   /* 180 degrees either way, nothing seen */
+  FOREWALK_RESET_FREEZE_BACKUP = 2, /* steps back, nothing seen */
+  FOREWALK_RESET_R2C = 3,           /* to the centre; this and the rest: 360 degrees seen */
+  FOREWALK_RESET_MR2C = 4,          /* to the centre, or along what is in the way */
+  FOREWALK_RESET_R2G = 5,           /* down the gradient of the room's potential */
+  FOREWALK_RESET_SFR2G = 6,         /* five steps down it */
+  FOREWALK_RESET_R2FD = 7           /* to a way as free as the virtual one */
 };
 
 typedef int32_t forewalk_limits;
@@ -275,6 +297,9 @@ typedef struct forewalk_session_settings {
   forewalk_method method;
   float persistence; /* for FOREWALK_METHOD_FRONT: ways shorter than this are part of the one they
                         leave, so that a niche is no corridor; metres, [0, 100]; default 0.75 */
+
+  forewalk_reset reset;
+  uint32_t reserved2; /* 0 */
 } forewalk_session_settings;
 
 FOREWALK_API void forewalk_session_settings_init(
@@ -301,7 +326,10 @@ enum {
   FOREWALK_INSTRUCTION_NONE = 0,
   FOREWALK_INSTRUCTION_TURN_AROUND = 1,  /* stop, and turn on the spot, either way */
   FOREWALK_INSTRUCTION_KEEP_TURNING = 2, /* go on turning the same way */
-  FOREWALK_INSTRUCTION_WALK_BACK = 3     /* walk back into the tracked space */
+  FOREWALK_INSTRUCTION_WALK_BACK = 3,    /* walk back into the tracked space */
+  FOREWALK_INSTRUCTION_STEP_BACK = 4,    /* stop, and step backwards */
+  FOREWALK_INSTRUCTION_TURN_LEFT = 5,    /* stop, and turn left on the spot */
+  FOREWALK_INSTRUCTION_TURN_RIGHT = 6    /* stop, and turn right on the spot */
 };
 
 /* Bits of forewalk_frame_out.flags. The first five also mean that no gain was applied. */

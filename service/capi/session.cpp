@@ -55,14 +55,24 @@ static_assert(FOREWALK_INSTRUCTION_KEEP_TURNING ==
               static_cast<int>(rdw::ResetInstruction::kKeepTurning));
 static_assert(FOREWALK_INSTRUCTION_WALK_BACK == static_cast<int>(rdw::ResetInstruction::kWalkBack));
 
+static_assert(FOREWALK_INSTRUCTION_STEP_BACK == static_cast<int>(rdw::ResetInstruction::kStepBack));
+static_assert(FOREWALK_INSTRUCTION_TURN_LEFT == static_cast<int>(rdw::ResetInstruction::kTurnLeft));
+static_assert(FOREWALK_INSTRUCTION_TURN_RIGHT ==
+              static_cast<int>(rdw::ResetInstruction::kTurnRight));
+
 static_assert(FOREWALK_METHOD_POLYGON == static_cast<int>(prediction::Method::kPolygon));
 static_assert(FOREWALK_METHOD_FRONT == static_cast<int>(prediction::Method::kFront));
 
 constexpr float kDefaultSide = 4.0f;  // of the tracked space, metres
 
 // In the order of their constants.
-constexpr std::string_view kControllers[] = {"none", "s2c", "s2o", "s2c-predictive",
-                                             "s2o-predictive"};
+constexpr std::string_view kControllers[] = {
+    "none",   "s2c", "s2o",       "s2c-predictive", "s2o-predictive", "s2mt", "s2mt+c",
+    "zigzag", "p2r", "messinger", "dynamic-apf",    "haptics",        "arc",  "visibility"};
+constexpr std::string_view kResets[] = {"two-one-turn", "freeze-turn", "freeze-backup", "r2c",
+                                        "mr2c",         "r2g",         "sfr2g",         "r2fd"};
+static_assert(std::size(kControllers) == FOREWALK_CONTROLLER_VISIBILITY + 1);
+static_assert(std::size(kResets) == FOREWALK_RESET_R2FD + 1);
 constexpr std::string_view kLimits[] = {"steinicke", "laboratory", "neth", "toolkit"};
 
 forewalk_session_settings defaultSessionSettings() {
@@ -143,8 +153,11 @@ forewalk_status checkForm(const forewalk_session_settings& settings) {
     return unknownConstant("axes", settings.axes, FOREWALK_AXES_UNREAL);
   }
   if (settings.controller < FOREWALK_CONTROLLER_NONE ||
-      settings.controller > FOREWALK_CONTROLLER_S2O_PREDICTIVE) {
-    return unknownConstant("controller", settings.controller, FOREWALK_CONTROLLER_S2O_PREDICTIVE);
+      settings.controller > FOREWALK_CONTROLLER_VISIBILITY) {
+    return unknownConstant("controller", settings.controller, FOREWALK_CONTROLLER_VISIBILITY);
+  }
+  if (settings.reset < FOREWALK_RESET_TWO_ONE_TURN || settings.reset > FOREWALK_RESET_R2FD) {
+    return unknownConstant("reset", settings.reset, FOREWALK_RESET_R2FD);
   }
   if (settings.limits < FOREWALK_LIMITS_STEINICKE || settings.limits > FOREWALK_LIMITS_CUSTOM) {
     return unknownConstant("limits", settings.limits, FOREWALK_LIMITS_CUSTOM);
@@ -205,6 +218,7 @@ tl::expected<rdw::Session, Error> makeSession(const forewalk_navmesh& navmesh,
   }
   ours.prediction.polygons = settings.polygon_limit;
   ours.resets = settings.resets != 0;
+  ours.resetPolicy = kResets[settings.reset];
   ours.method = static_cast<prediction::Method>(settings.method);
   ours.front.persistence = settings.persistence;
   if (ours.method == prediction::Method::kFront) ours.frontIndex = navmesh.frontIndex();

@@ -119,7 +119,7 @@ void frame(forewalk_session* session, forewalk_vec3 position, forewalk_quat orie
   require(isFinite(out), "what comes out of a frame is finite");
   require(out.flags < 1u << 13, "flags are those of the header");
   require(out.instruction >= FOREWALK_INSTRUCTION_NONE &&
-              out.instruction <= FOREWALK_INSTRUCTION_WALK_BACK,
+              out.instruction <= FOREWALK_INSTRUCTION_TURN_RIGHT,
           "instructions are those of the header");
   require(out.reset_remaining >= 0.0f && out.reset_remaining <= 3.2f, "at most half a turn to go");
 }

@@ -34,9 +34,9 @@ std::uint64_t hashOfWalk(const char* controller) {
 TEST(GoldenTrace, IsTheSameInEveryBuild) {
   EXPECT_EQ(hashOfWalk("none"), 11332546222905096536ull);
   EXPECT_EQ(hashOfWalk("s2c"), 4289854014188514151ull);
-  EXPECT_EQ(hashOfWalk("s2o"), 14876362017180573074ull);
-  EXPECT_EQ(hashOfWalk("s2c-predictive"), 10612870979505258940ull);
-  EXPECT_EQ(hashOfWalk("s2o-predictive"), 16167149446012922336ull);
+  EXPECT_EQ(hashOfWalk("s2o"), 6923146884181176078ull);
+  EXPECT_EQ(hashOfWalk("s2c-predictive"), 6649144066352353728ull);
+  EXPECT_EQ(hashOfWalk("s2o-predictive"), 4784369677777066830ull);
 }
 
 }  // namespace

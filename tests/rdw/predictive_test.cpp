@@ -54,7 +54,7 @@ Gains steered(Controller& controller, const Motion& motion, const PlanarPose& bo
 }
 
 TEST(WaysAhead, AreOneStraightWayWithoutAGraph) {
-  const WaysAhead ahead = waysAhead(nullptr, {0, 1}, {0, 1}, {});
+  const WaysAhead ahead = waysAhead(nullptr, {}, {0, 1}, {0, 1}, {});
   ASSERT_EQ(ahead.count, 1);
   EXPECT_EQ(ahead.ways[0].weight, 1.0);
   EXPECT_EQ(ahead.meanDirection, glm::dvec2(0, 1));
@@ -63,7 +63,7 @@ TEST(WaysAhead, AreOneStraightWayWithoutAGraph) {
     length += ahead.ways[0].pieces[static_cast<std::size_t>(i)].length;
     EXPECT_NEAR(ahead.ways[0].pieces[static_cast<std::size_t>(i)].turn, 0.0, 1e-12);
   }
-  EXPECT_NEAR(length, PredictiveSettings{}.reach, 1e-9);
+  EXPECT_NEAR(length, WaysAheadSettings{}.reach, 1e-9);
 }
 
 TEST(WaysAhead, WeighTogetherToOneAndAgreeWithTheWalk) {
@@ -79,7 +79,7 @@ TEST(WaysAhead, WeighTogetherToOneAndAgreeWithTheWalk) {
                                      false};
       const prediction::PredictionGraph& ways = prediction::predict(*graph, source, 8.0f, scratch);
       const glm::dvec2 direction = directionOf(uniform(rng, -3, 3));
-      const WaysAhead ahead = waysAhead(&ways, direction, direction, {});
+      const WaysAhead ahead = waysAhead(&ways, {}, direction, direction, {});
       ASSERT_GE(ahead.count, 1);
       double weight = 0.0;
       for (int w = 0; w < ahead.count; ++w) {
@@ -93,7 +93,7 @@ TEST(WaysAhead, WeighTogetherToOneAndAgreeWithTheWalk) {
           EXPECT_LE(piece.length, 2.0 + 1e-9);
           length += piece.length;
         }
-        EXPECT_LE(length, PredictiveSettings{}.reach + 1e-6);
+        EXPECT_LE(length, WaysAheadSettings{}.reach + 1e-6);
       }
       EXPECT_NEAR(weight, 1.0, 1e-9);
     }
@@ -124,7 +124,7 @@ TEST(WaysAhead, KnowTheCornerOfACorridor) {
     prediction::Scratch scratch(graph);
     const prediction::PredictionGraph& ways =
         prediction::predict(graph, inCorridor(8.0f), 9.0f, scratch);
-    const WaysAhead there = waysAhead(&ways, {1, 0}, {1, 0}, {});
+    const WaysAhead there = waysAhead(&ways, {}, {1, 0}, {1, 0}, {});
     EXPECT_GT(there.meanTurn * static_cast<double>(side), 0.5) << "round the corner";
     EXPECT_GT(glm::dot(there.meanDirection, glm::dvec2(1, 0)), 0.9);
   }
