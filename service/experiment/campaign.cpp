@@ -152,6 +152,7 @@ tl::expected<Experiment, Error> Experiment::load(const std::filesystem::path& fi
             return forEachOf(Axis::kScene, [&] { return forEachOf(Axis::kController, steering); });
           })
           .and_then([&] { return forEachOf(Axis::kLimits, places); })
+          .and_then([&] { return forEachOf(Axis::kReset, places); })
           .and_then([&] {
             return forEachOf(Axis::kVariant, [&] { return forEachOf(Axis::kScene, steering); });
           });

@@ -18,8 +18,8 @@ using rdw::Problem;
 constexpr std::string_view kFormat = "forewalk.experiment/1";
 constexpr std::string_view kPlane = "plane";
 // Lists of the file, in the order of Axis.
-constexpr std::array<std::string_view, kAxes> kLists{"scenes",      "rooms",  "users",
-                                                     "controllers", "limits", "variants"};
+constexpr std::array<std::string_view, kAxes> kLists{"scenes", "rooms",  "users",   "controllers",
+                                                     "resets", "limits", "variants"};
 
 /// What entries of a list set: keys of the simulation itself, or all below one of its keys.
 std::string_view keyOf(Axis axis) {
@@ -30,6 +30,8 @@ std::string_view keyOf(Axis axis) {
       return "user";
     case Axis::kController:
       return "controller";
+    case Axis::kReset:
+      return "reset";
     case Axis::kLimits:
       return "limits";
     case Axis::kScene:
@@ -127,8 +129,8 @@ void readSeeds(Fields& file, std::vector<std::uint64_t>& seeds) {
 }  // namespace
 
 std::string_view nameOf(Axis axis) {
-  constexpr std::array<std::string_view, kAxes> kNames{"scene",      "room",   "user",
-                                                       "controller", "limits", "variant"};
+  constexpr std::array<std::string_view, kAxes> kNames{"scene", "room",   "user",   "controller",
+                                                       "reset", "limits", "variant"};
   return kNames[static_cast<std::size_t>(axis)];
 }
 

@@ -7,20 +7,21 @@
 //     "scenes": ["museum.obj", "plane", {"name": "fine", "scene": "museum.obj", "build": {"cell_m":
 //     0.05}}], "rooms": [{"name": "4 m x 4 m", "rectangle": [4, 4]}, "laboratory.txt"], "users":
 //     [{"name": "visitor", "kind": "wander", "pause_max_s": 5}], "controllers": ["none", "s2c",
-//     "s2c-predictive"], "limits": ["steinicke", "toolkit"], "variants": [{"name": "10 m"},
+//     "s2c-predictive"], "resets": ["two-one-turn", "r2g"],
+//     "limits": ["steinicke", "toolkit"], "variants": [{"name": "10 m"},
 //     {"name": "20 m", "horizon_m": 20}], "seeds": 50, "traces": "first"
 //   }
 //
 // Every run is a `forewalk.simulation/1` (rdw/simulation_config.h): the keys of `walk`, then those
 // of one entry of each list, a later one in place of an earlier one, then a seed. The runs are all
 // the ways to take one entry of each list; lists that are left out change nothing. Seeds vary
-// fastest, then variants, limits, controllers, users, rooms and scenes.
+// fastest, then variants, limits, resets, controllers, users, rooms and scenes.
 // - scenes: a file, "plane" for an open plane, or an object of `name` and the keys scene, import,
 // build, start.
 // - rooms: a file with a tracked space, or an object of `name` and the keys of forewalk.space/1.
 // - users: an object of `name` and the keys of `user`.
-// - controllers, limits: as in a simulation, or for limits an object of `name` and the keys of
-// `limits`.
+// - controllers: as in a simulation. resets, limits: likewise, or an object of `name` and the keys
+//   of `reset` or `limits`.
 // - variants: an object of `name` and any keys of a simulation.
 // - seeds: how many (1, 2, ...), or a list of them.
 // - traces: "none", "first" (of the seeds) or "all": whose frames are written as CSV.
@@ -42,8 +43,8 @@
 namespace forewalk::service {
 
 /// What runs differ in, slowest first.
-enum class Axis : std::uint8_t { kScene, kRoom, kUser, kController, kLimits, kVariant };
-inline constexpr std::size_t kAxes = 6;
+enum class Axis : std::uint8_t { kScene, kRoom, kUser, kController, kReset, kLimits, kVariant };
+inline constexpr std::size_t kAxes = 7;
 
 /// "scene", "room", ...: columns of the results.
 std::string_view nameOf(Axis axis);

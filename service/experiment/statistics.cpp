@@ -150,7 +150,8 @@ Comparison compareControllers(const Results& results, const Selection& selection
 }
 
 std::vector<Block> blocksOf(const Results& results) {
-  constexpr Axis kFixed[] = {Axis::kScene, Axis::kUser, Axis::kLimits, Axis::kVariant};
+  constexpr Axis kFixed[] = {Axis::kScene, Axis::kUser, Axis::kReset, Axis::kLimits,
+                             Axis::kVariant};
   std::vector<Block> blocks{{}};
   for (const Axis axis : kFixed) {
     const auto& choices = results.plan.choices[static_cast<std::size_t>(axis)];

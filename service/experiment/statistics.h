@@ -44,7 +44,7 @@ std::vector<double> holm(std::span<const double> p);
 /// Rows of a plan that share some entries. Axes that are kAny are not asked about.
 struct Selection {
   static constexpr std::size_t kAny = static_cast<std::size_t>(-1);
-  std::array<std::size_t, kAxes> chosen{kAny, kAny, kAny, kAny, kAny, kAny};
+  std::array<std::size_t, kAxes> chosen{kAny, kAny, kAny, kAny, kAny, kAny, kAny};
 
   Selection with(Axis axis, std::size_t choice) const {
     Selection narrower = *this;
@@ -60,8 +60,8 @@ std::vector<double> valuesOf(const Results& results, const Selection& selection,
 Comparison compareControllers(const Results& results, const Selection& selection, std::size_t first,
                               std::size_t second, Metric metric);
 
-/// A part of an experiment that one table shows: one scene, user, limits and variant, with all its
-/// rooms and controllers.
+/// A part of an experiment that one table shows: one scene, user, reset, limits and variant, with
+/// all its rooms and controllers.
 struct Block {
   Selection selection;
   std::string title;  ///< the names of what is fixed and not the same for all blocks; may be empty
