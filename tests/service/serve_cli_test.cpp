@@ -327,7 +327,6 @@ TEST(Serve, StandsBehindNginx) {
   Serve third({"--port", std::to_string(first->port)});
   second->child.signal(SIGTERM);
   EXPECT_EQ(second->child.wait(), 0);
-  std::this_thread::sleep_for(2500ms);  // fail_timeout
   for (Traveller& user : users) {
     user.step();
     ASSERT_TRUE(user.connect(port)) << user.walker->client.status() << "\n"
