@@ -344,8 +344,10 @@ std::uint32_t FrontSweep::arcAt(const Spot& spot, Direction direction) {
   if (alive_.size() == 1) return alive_.front();
   if (spot.view != nullptr) {
     // Right where a front sets out it is too small to be followed.
-    const Seed& seed = seeds_[seedOf(spot.view->corner)];
-    if (!seed.opened && seed.arc != kNone && !hasPockets()) return seed.arc;
+    if (seeds_.size() > 1) {
+      const Seed& seed = seeds_[seedOf(spot.view->corner)];
+      if (!seed.opened && seed.arc != kNone && !hasPockets()) return seed.arc;
+    }
     for (int tries = 0; tries < 2; ++tries) {
       const FrontEnd end = trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, direction);
       const std::uint32_t arc = end.how == FrontEnd::How::kClosed
@@ -461,6 +463,15 @@ void FrontSweep::touch(const WallProfile::Extreme& low) {
   addArc(event, {ends.left, along});
 }
 
+/// Whether two walls meet at a place on the border, with less than half a turn between them: a
+/// front that comes there has nowhere to go.
+bool FrontSweep::isHollow(const WallProfile::Sample& sample) const {
+  if (sample.before != nullptr) return false;
+  const CellMesh::Wall& wall = mesh_->walls[sample.wall];
+  const dvec2 arriving = mesh_->lines[mesh_->walls[wall.previous].edge].along;
+  return cross(arriving, mesh_->lines[wall.edge].along) > 1e-3;
+}
+
 /// Whether an arc whose two ends run into each other, at a spot just before, goes all around what
 /// was reached, a pillar's back last: it goes on, closed. Else nothing of it is left.
 bool FrontSweep::closesAround(const Spot& spot) {
@@ -483,7 +494,7 @@ void FrontSweep::close(const WallProfile::Extreme& high) {
   arcOf_[along] = arcOf_[sample.stretch] = kNone;
   if (first == kNone || second == kNone) return;
   const Spot before = spotAt(sample, false);
-  if (first == second && closesAround(before)) {
+  if (first == second && !isHollow(sample) && closesAround(before)) {
     endsOf_[first] = {kNone, kNone};
     seeds_[seedOf(before.view->corner)].arc = first;
     return;

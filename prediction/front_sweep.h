@@ -130,6 +130,7 @@ class FrontSweep {
   void leaveLink(std::uint32_t passage);
   void cutLink(std::uint32_t passage);
   void touch(const WallProfile::Extreme& low);
+  bool isHollow(const WallProfile::Sample& sample) const;
   bool closesAround(const Spot& spot);
   void close(const WallProfile::Extreme& high);
   void meet(const Meeting& meeting);
