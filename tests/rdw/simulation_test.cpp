@@ -144,7 +144,7 @@ TEST(Simulate, GivesTheSameTraceForTheSameSeedOnly) {
   // A clock and a memory of frames change what is known of the walk, not the walk.
   double now = 0.0;
   config.keepFrames = false;
-  const auto timed = simulate(world, config, {[&] { return now += 1.5; }, {}});
+  const auto timed = simulate(world, config, {[&] { return now += 1.5; }, {}, {}, nullptr});
   ASSERT_TRUE(timed);
   EXPECT_EQ(timed->summary.traceHash, first.summary.traceHash);
   EXPECT_EQ(timed->summary.graphMicroseconds.median, 1.5);

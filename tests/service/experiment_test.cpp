@@ -60,6 +60,12 @@ class ExperimentTest : public ::testing::Test {
     return end ? *end : CampaignEnd{};
   }
 
+  static CampaignSettings on(unsigned threads) {
+    CampaignSettings settings;
+    settings.threads = threads;
+    return settings;
+  }
+
   std::string text(const std::filesystem::path& file) {
     std::ifstream in(folder_ / file, std::ios::binary);
     EXPECT_TRUE(in) << file;
@@ -86,7 +92,8 @@ class ExperimentTest : public ::testing::Test {
 };
 
 TEST_F(ExperimentTest, TakesEveryCombinationOnce) {
-  const ExperimentPlan& plan = small().plan();
+  const Experiment experiment = small();
+  const ExperimentPlan& plan = experiment.plan();
   EXPECT_EQ(plan.runCount(), 16u);
   std::set<std::pair<std::array<std::size_t, kAxes>, std::uint64_t>> seen;
   for (std::size_t run = 0; run < plan.runCount(); ++run) {
@@ -97,8 +104,8 @@ TEST_F(ExperimentTest, TakesEveryCombinationOnce) {
 
 TEST_F(ExperimentTest, GivesTheSameBytesOnAnyNumberOfThreads) {
   const Experiment experiment = small();
-  EXPECT_TRUE(carriedOut(experiment, "one", {.threads = 1}).finished());
-  EXPECT_TRUE(carriedOut(experiment, "four", {.threads = 4}).finished());
+  EXPECT_TRUE(carriedOut(experiment, "one", on(1)).finished());
+  EXPECT_TRUE(carriedOut(experiment, "four", on(4)).finished());
   expectSameResults("one", "four");
   const auto results = readResults(folder_ / "one");
   ASSERT_TRUE(results);
