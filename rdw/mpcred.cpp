@@ -65,21 +65,23 @@ class Mpcred final : public Controller {
     WaysAheadSettings ways = settings_.ways;
     ways.reach = settings_.stageSeconds * settings_.speed * settings_.depth;
     const WaysAhead ahead = waysAhead(input.graph, input.likelihoods, travel, travel, ways);
-    // The likeliest ways only: the tree has few branches.
-    std::array<int, WaysAhead::kMost> order{};
-    for (int i = 0; i < ahead.count; ++i) order[static_cast<std::size_t>(i)] = i;
-    // Of equally likely ones the first; std::stable_sort would allocate.
-    std::sort(order.begin(), order.begin() + ahead.count, [&](int a, int b) {
-      const double weightA = ahead.ways[static_cast<std::size_t>(a)].weight;
-      const double weightB = ahead.ways[static_cast<std::size_t>(b)].weight;
-      return weightA != weightB ? weightA > weightB : a < b;
-    });
+    // The likeliest ways only: the tree has few branches. Of equally likely ones the first.
+    std::array<bool, WaysAhead::kMost> taken{};
     const int branches = std::min(ahead.count, settings_.branches);
     const double heading = headingOf(input.redirection.directionToPhysical(travel));
     std::array<double, kActions> costs{};
     for (int b = 0; b < branches; ++b) {
-      const LikelyWay& way =
-          ahead.ways[static_cast<std::size_t>(order[static_cast<std::size_t>(b)])];
+      int likeliest = -1;
+      for (int w = 0; w < ahead.count; ++w) {
+        const auto k = static_cast<std::size_t>(w);
+        if (taken[k]) continue;
+        if (likeliest < 0 ||
+            ahead.ways[k].weight > ahead.ways[static_cast<std::size_t>(likeliest)].weight) {
+          likeliest = w;
+        }
+      }
+      taken[static_cast<std::size_t>(likeliest)] = true;
+      const LikelyWay& way = ahead.ways[static_cast<std::size_t>(likeliest)];
       for (int a = 0; a < kActions; ++a) {
         costs[static_cast<std::size_t>(a)] +=
             way.weight * after(input, way, {}, input.physical.position, heading,

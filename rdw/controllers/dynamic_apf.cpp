@@ -43,8 +43,8 @@ class DynamicApf final : public Controller {
     const glm::dvec2 across(-along.y, along.x);
     const double step = std::max(0.5, 2.0 * furthest / kMostPlaces);
     const int most = static_cast<int>(furthest / step);
-    for (int x = -most; x <= most; ++x) {
-      for (int y = -most; y <= most; ++y) {
+    for (double x = -most; x <= most; ++x) {
+      for (double y = -most; y <= most; ++y) {
         const glm::dvec2 place = space.centre() + step * (x * along + y * across);
         const double room = space.signedDistance(place);
         if (room > 0.25) places_.push_back({place, room});
