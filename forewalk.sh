@@ -9,9 +9,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 # What the build needs. `make` is there for machines without ninja; ninja and ccache are used if present.
 PACKAGES=(g++ cmake make
   librecast-dev libsqlite3-dev libopenmesh-dev libtinygltf-dev libglm-dev nlohmann-json3-dev libexpected-dev
-  libboost-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
-# clang++ compiles the C interface as an engine would, without exceptions and RTTI; only `test all` asks for it.
-PACKAGES_ALL=(clang)
+  libboost-dev libssl-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
+# clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
+# daemons; only `test all` asks for them.
+PACKAGES_ALL=(clang nginx-light)
 
 help() {
   cat <<'TEXT'
@@ -116,11 +117,11 @@ demo() {
   echo "Pictures, plots, dumps and traces are under $PWD/out"
 }
 
-test_preset() {  # test_preset PRESET DESCRIPTION [TARGET...]
+test_preset() {  # test_preset PRESET DESCRIPTION TARGET...
   begin "configuring $1 ($2)"
   configure "$1"
   begin "building $1"
-  build "$1" all "${@:3}"
+  build "$1" "${@:3}"
   begin "testing $1"
   run_tests "$1"
 }
@@ -142,13 +143,13 @@ run_all_tests() {
   fi
   # Benchmarks are built only where all is asked for, so that they do not rot.
   if [ "${1:-}" = all ]; then
-    test_preset release "optimised" benchmarks
+    test_preset release "optimised" all benchmarks
   else
-    test_preset release "optimised"
+    test_preset release "optimised" all
   fi
   if [ "${1:-}" = all ]; then
-    test_preset dev "Debug, ASan, UBSan"
-    test_preset tsan "Debug, ThreadSanitizer, the tests that start threads"
+    test_preset dev "Debug, ASan, UBSan" all
+    test_preset tsan "Debug, ThreadSanitizer, the tests that start threads" tests
   fi
   printf '\nAll tests passed.\n'
 }

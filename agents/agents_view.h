@@ -21,7 +21,7 @@ inline constexpr AgentId kNoAgent{0xffffffffu};
 /// An agent's place among equals.
 constexpr std::uint32_t number(AgentId id) { return static_cast<std::uint32_t>(id); }
 
-/// What an agent is, beside its model. Any of the three is never planned for and must not be
+/// What an agent is, beside its model. Any of the three is never moved by a plan and must not be
 /// assumed to yield: who meets one takes all of the avoidance (see `yields`).
 enum AgentFlag : std::uint8_t {
   kHuman = 1,    ///< moved by the caller (the redirected user): the crowd never changes its pose

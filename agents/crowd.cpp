@@ -150,6 +150,10 @@ void Crowd::setGoal(AgentId agent, glm::vec2 goal, float height) {
   navigation_.setGoal(indexOf(agent), goal, height);
 }
 
+void Crowd::setWay(AgentId agent, std::span<const glm::vec2> corners, float beyond) {
+  navigation_.setWay(indexOf(agent), corners, beyond);
+}
+
 void Crowd::clearGoal(AgentId agent) { navigation_.clearGoal(indexOf(agent)); }
 
 bool Crowd::arrived(AgentId agent) const {
@@ -158,9 +162,8 @@ bool Crowd::arrived(AgentId agent) const {
   if (route.state == Route::State::none) return true;
   if (route.state == Route::State::closed) return false;
   // Of a goal beside the navmesh the nearest point of it counts: that is where the path ends.
-  const glm::vec2 end = route.state == Route::State::found && route.toTheGoal && route.count > 0
-                            ? route.corners[route.count - 1u]
-                            : route.goal;
+  const glm::vec2 end =
+      route.toTheGoal && route.count > 0 ? route.corners[route.count - 1u] : route.goal;
   return glm::distance(position_[i], end) <= goalRadius_[i] + 1e-4f;
 }
 
@@ -197,6 +200,7 @@ std::span<float> Crowd::memoryOf(AgentId agent) {
 
 void Crowd::setFixedWalls(std::vector<Wall> walls) {
   fixedWalls_ = std::move(walls);
+  layCells();
   wallsChanged_ = true;
 }
 
@@ -204,6 +208,31 @@ void Crowd::setWorld(std::shared_ptr<const navmesh::World> world) {
   borderWalls_.clear();
   if (world) appendBorder(world->graph, settings_.navigation.walkerRadius, borderWalls_);
   navigation_.setWorld(std::move(world));
+  layCells();
+  wallsChanged_ = true;
+}
+
+void Crowd::layCells() {
+  if (CellNavigation* cells = navigation_.cells()) {
+    cells->ground().setGround(navigation_.world(), settings_.navigation.walkerRadius, fixedWalls_);
+  }
+}
+
+tl::expected<void, Error> Crowd::setCells(const CellSettings& settings) {
+  auto ground = GroundCells::make(settings);
+  if (!ground) return tl::unexpected(std::move(ground.error()));
+  for (const PlacedObstacle& placed : obstacles_) ground->setObject(placed.id, placed.shape);
+  navigation_.setCells(std::move(*ground));
+  layCells();
+  return {};
+}
+
+void Crowd::setStates(std::shared_ptr<const navmesh::PolygonStates> states, bool doors) {
+  if (!navigation_.world()) return;
+  borderWalls_.clear();
+  appendBorder(navigation_.world()->graph, settings_.navigation.walkerRadius, borderWalls_,
+               doors ? states.get() : nullptr);
+  navigation_.setStates(std::move(states));
   wallsChanged_ = true;
 }
 
@@ -212,6 +241,7 @@ tl::expected<navmesh::ObstacleId, Error> Crowd::addObstacle(const navmesh::Obsta
   if (auto valid = navmesh::validate(obstacle); !valid) return tl::unexpected(valid.error());
   const navmesh::ObstacleId id{nextObstacle_++};
   obstacles_.push_back({id, obstacle, velocity});
+  if (CellNavigation* cells = navigation_.cells()) cells->ground().setObject(id, obstacle);
   wallsChanged_ = true;
   return id;
 }
@@ -223,6 +253,7 @@ tl::expected<void, Error> Crowd::moveObstacle(navmesh::ObstacleId id,
   for (PlacedObstacle& placed : obstacles_) {
     if (placed.id != id) continue;
     placed.shape = obstacle;
+    if (CellNavigation* cells = navigation_.cells()) cells->ground().setObject(id, obstacle);
     placed.velocity = velocity;
     wallsChanged_ = true;
     return {};
@@ -236,6 +267,7 @@ bool Crowd::removeObstacle(navmesh::ObstacleId id) {
                                    [&](const PlacedObstacle& placed) { return placed.id == id; });
   if (gone == obstacles_.end()) return false;
   obstacles_.erase(gone, obstacles_.end());
+  if (CellNavigation* cells = navigation_.cells()) cells->ground().removeObject(id);
   wallsChanged_ = true;
   return true;
 }

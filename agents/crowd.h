@@ -47,10 +47,12 @@ struct AgentSpec {
   float preferredSpeed = 1.3f;  ///< m/s, >= 0
   float maximumSpeed = 2.0f;    ///< m/s, >= 0
   float maximumAcceleration = std::numeric_limits<float>::infinity();  ///< m/s^2, > 0
-  float goalRadius = 0.1f;   ///< arrived when so near to the goal, metres, >= 0
-  std::uint8_t flags = 0;    ///< AgentFlag, or'ed
-  std::uint32_t group = 0;   ///< the caller's
-  ModelId model = kNoModel;  ///< one of the crowd's, for whoever has no flag
+  float goalRadius = 0.1f;  ///< arrived when so near to the goal, metres, >= 0
+  std::uint8_t flags = 0;   ///< AgentFlag, or'ed
+  std::uint32_t group = 0;  ///< the caller's
+  /// One of the crowd's, for whoever has no flag. A human may have one too: what it would do in
+  /// their place is planned and told (planOf), and not done.
+  ModelId model = kNoModel;
 };
 
 struct CrowdSettings {
@@ -75,6 +77,7 @@ struct StepReport {
   std::uint32_t contact = 0;         ///< likewise
   std::uint32_t waitingForPath = 0;  ///< agents for whom the budget of paths did not suffice
   std::uint32_t withoutPath = 0;     ///< agents whose goal cannot be reached
+  std::uint32_t notified = 0;        ///< agents who asked for a path because cells changed
   float deepestOverlap =
       0.0f;  ///< left after projection, share of the radii's sum; 0 where it is off
 };
@@ -99,6 +102,11 @@ class Crowd {
   /// found in the next steps, within the budget of paths.
   void setGoal(AgentId agent, glm::vec2 goal, float height = 0.0f);
   void clearGoal(AgentId agent);
+
+  /// A way that was found elsewhere, instead of a goal: 1 to Route::kCorners corners, passed one
+  /// after the other, and `beyond` metres from the last of them to the goal, >= 0.
+  void setWay(AgentId agent, std::span<const glm::vec2> corners, float beyond);
+  const Route& routeOf(AgentId agent) const { return navigation_.route(indexOf(agent)); }
   bool arrived(AgentId agent) const;  ///< within its goal radius, or it has no goal
 
   /// Moves a human, or anybody (a jump: velocities are not derived from it).
@@ -117,9 +125,22 @@ class Crowd {
   /// anew, within the budget. Give a new one when the world has changed.
   void setWorld(std::shared_ptr<const navmesh::World> world);
 
-  /// Something to walk around, which moves at `velocity` from tick to tick. It takes no part in
-  /// finding paths: for that, carve it into the navmesh and set the world. Fails as
-  /// navmesh::validate does.
+  /// Finds paths over cells (ground_cells.h) from now on, of the walls, the world and the obstacles
+  /// there are and will be; places on the navmesh stay its own. Fails as GroundCells::make does.
+  [[nodiscard]] tl::expected<void, Error> setCells(const CellSettings& settings);
+  const CellNavigation* cells() const { return navigation_.cells(); }  ///< null without
+
+  /// What is closed in this world and what costs more; null: all is open. Paths lead around it, and
+  /// whoever is on the way turns back or aside once its path is found anew, within the budget,
+  /// those near the change first. Nobody is pushed out of what closes around them: they may leave.
+  ///
+  /// `doors`: what is closed is shut, a wall to whoever is outside. Without: only nobody wants to
+  /// go there (somebody stands in the way). setWorld() forgets the states.
+  void setStates(std::shared_ptr<const navmesh::PolygonStates> states, bool doors = true);
+
+  /// Something to walk around, which moves at `velocity` from tick to tick. On a navmesh it takes
+  /// no part in finding paths: for that, carve it into the navmesh and set the world. Over cells it
+  /// does. Fails as navmesh::validate does.
   [[nodiscard]] tl::expected<navmesh::ObstacleId, Error> addObstacle(
       const navmesh::Obstacle& obstacle, glm::vec2 velocity = glm::vec2(0.0f));
   [[nodiscard]] tl::expected<void, Error> moveObstacle(navmesh::ObstacleId id,
@@ -161,7 +182,11 @@ class Crowd {
     glm::vec2 velocity;
   };
 
+  bool isPlannedFor(std::uint32_t agent) const {
+    return modelOf_[agent] != kNoModel && (flags_[agent] == 0 || flags_[agent] == kHuman);
+  }
   void refreshWalls();
+  void layCells();
   void moveObstacles(float seconds);
   void setPreferredVelocities(float seconds, const navmesh::ForEach& forEach);
   void planFor(OwnModel& own, std::uint32_t modelNumber, std::uint32_t subStep, float seconds,

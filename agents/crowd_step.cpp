@@ -36,6 +36,9 @@ void Crowd::moveObstacles(float seconds) {
     } else if (auto* cylinder = std::get_if<navmesh::CylinderObstacle>(&placed.shape)) {
       cylinder->foot += navmesh::toSpace(by, 0.0f);
     }
+    if (CellNavigation* cells = navigation_.cells()) {
+      cells->ground().setObject(placed.id, placed.shape);
+    }
     wallsChanged_ = true;
   }
 }
@@ -76,44 +79,46 @@ void Crowd::refreshWalls() {
 }
 
 void Crowd::setPreferredVelocities(float seconds, const navmesh::ForEach& forEach) {
-  navigation_.findPaths(position_, height_);
+  navigation_.findPaths(position_, height_, radius_);
   const float sign = settings_.side >= 0.0f ? 1.0f : -1.0f;
   const float c = std::cos(sign * settings_.symmetryBreak),
               s = std::sin(sign * settings_.symmetryBreak);
-  forSlices(
-      static_cast<std::uint32_t>(id_.size()), forEach,
-      [&](std::size_t, std::uint32_t begin, std::uint32_t end) {
-        for (std::uint32_t i = begin; i < end; ++i) {
-          const SubGoal goal = navigation_.advance(i, position_[i]);
-          target_[i] = goal.target;
-          remaining_[i] = goal.remaining;
-          preferredVelocity_[i] = glm::vec2(0.0f);
-          if (goal.remaining <= goalRadius_[i]) continue;
-          const glm::vec2 towards = goal.target - position_[i];
-          const float distance = glm::length(towards);
-          if (!(distance > 0.0f)) continue;
-          // Not beyond the goal within this tick.
-          const float speed = std::min(preferredSpeed_[i], goal.remaining / seconds);
-          const glm::vec2 v = towards * (speed / distance);
-          preferredVelocity_[i] = {c * v.x - s * v.y, s * v.x + c * v.y};
-          // Held up: by how much what it wants differs from what it gets.
-          // Who is nearly there turns or waits for its place, and is not held up.
-          const bool held = goal.remaining > kNearGoal && glm::length(velocity_[i]) < 0.1f * speed;
-          heldUp_[i] = std::clamp(heldUp_[i] + (held ? seconds : -2.0f * seconds), 0.0f, 10.0f);
-          if (heldUp_[i] > 0.0f && settings_.unknot > 0.0f) {
-            const float turn = sign * std::min(settings_.unknot * heldUp_[i], 2.5f);
-            const float tc = std::cos(turn), ts = std::sin(turn);
-            preferredVelocity_[i] = {tc * v.x - ts * v.y, ts * v.x + tc * v.y};
-          }
-        }
-      });
+  forSlices(static_cast<std::uint32_t>(id_.size()), forEach,
+            [&](std::size_t, std::uint32_t begin, std::uint32_t end) {
+              for (std::uint32_t i = begin; i < end; ++i) {
+                const SubGoal goal = navigation_.advance(i, position_[i]);
+                target_[i] = goal.target;
+                remaining_[i] = goal.remaining;
+                preferredVelocity_[i] = glm::vec2(0.0f);
+                if (goal.remaining <= goalRadius_[i]) continue;
+                const glm::vec2 towards = goal.target - position_[i];
+                const float distance = glm::length(towards);
+                if (!(distance > 0.0f)) continue;
+                // Not beyond the goal within this tick.
+                const float speed = std::min(preferredSpeed_[i], goal.remaining / seconds);
+                const glm::vec2 v = towards * (speed / distance);
+                preferredVelocity_[i] = {c * v.x - s * v.y, s * v.x + c * v.y};
+                // Held up: by how much what it wants differs from what it gets.
+                // Who is nearly there turns or waits for its place, and is not held up; people
+                // stand for reasons of their own.
+                const bool held = flags_[i] == 0 && goal.remaining > kNearGoal &&
+                                  glm::length(velocity_[i]) < 0.1f * speed;
+                heldUp_[i] =
+                    std::clamp(heldUp_[i] + (held ? seconds : -2.0f * seconds), 0.0f, 10.0f);
+                if (heldUp_[i] > 0.0f && settings_.unknot > 0.0f) {
+                  const float turn = sign * std::min(settings_.unknot * heldUp_[i], 2.5f);
+                  const float tc = std::cos(turn), ts = std::sin(turn);
+                  preferredVelocity_[i] = {tc * v.x - ts * v.y, ts * v.x + tc * v.y};
+                }
+              }
+            });
 }
 
 void Crowd::planFor(OwnModel& own, std::uint32_t modelNumber, std::uint32_t subStep, float seconds,
                     const navmesh::ForEach& forEach) {
   own.due.clear();
   for (std::uint32_t i = 0; i < id_.size(); ++i) {
-    if (static_cast<std::uint32_t>(modelOf_[i]) != modelNumber || flags_[i] != 0) continue;
+    if (static_cast<std::uint32_t>(modelOf_[i]) != modelNumber || !isPlannedFor(i)) continue;
     if (needsOf_[i] && (subStep == 0 || own.needs.longestSubStep > 0.0f)) own.due.push_back(i);
   }
   if (own.due.empty()) return;
@@ -191,6 +196,7 @@ void Crowd::countStatus() {
   }
   report_.waitingForPath = navigation_.waiting();
   report_.withoutPath = navigation_.closed();
+  report_.notified = navigation_.notified();
 }
 
 const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {
@@ -203,7 +209,7 @@ const StepReport& Crowd::step(float seconds, const navmesh::ForEach& forEach) {
   needsOf_.assign(n, nullptr);
   float reach = 0.0f, longest = seconds;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (flags_[i] != 0 || modelOf_[i] == kNoModel) continue;
+    if (!isPlannedFor(i)) continue;
     const Needs& needs = models_[static_cast<std::size_t>(modelOf_[i])].needs;
     if (planAge_[i] + 1e-5f < needs.period) continue;
     needsOf_[i] = &needs;

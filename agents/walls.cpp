@@ -40,7 +40,8 @@ void appendCircle(glm::vec2 centre, float radius, glm::vec2 velocity, std::vecto
                    std::numeric_limits<float>::infinity(), velocity});
 }
 
-void appendBorder(const navmesh::NavGraph& graph, float clearance, std::vector<Wall>& walls) {
+void appendBorder(const navmesh::NavGraph& graph, float clearance, std::vector<Wall>& walls,
+                  const navmesh::PolygonStates* states) {
   const std::uint32_t first = static_cast<std::uint32_t>(walls.size());
   const auto add = [&](glm::vec2 from, glm::vec2 to, float fromHeight, float toHeight) {
     // Tile borders cut portals to fractions of a millimetre: no wall is so short.
@@ -48,7 +49,11 @@ void appendBorder(const navmesh::NavGraph& graph, float clearance, std::vector<W
     walls.push_back({from, to, kNoWall, kNoWall, clearance, fromHeight, toHeight, kStoreyReach,
                      glm::vec2(0.0f)});
   };
+  const auto isClosed = [&](navmesh::PolygonId polygon) {
+    return states != nullptr && states->isClosed(polygon);
+  };
   for (std::uint32_t polygon = 0; polygon < graph.polygonCount(); ++polygon) {
+    const bool inside = isClosed(navmesh::PolygonId{polygon});
     const std::span<const glm::vec2> ring = graph.ringOf(navmesh::PolygonId{polygon});
     const float* heights = graph.ringHeight.data() + graph.ringStart[polygon];
     std::uint32_t h = graph.portalStart[polygon];
@@ -60,6 +65,7 @@ void appendBorder(const navmesh::NavGraph& graph, float clearance, std::vector<W
       glm::vec2 at = ring[edge];
       float atHeight = heights[edge];
       for (; h < end && graph.portalEdge[h] == edge; ++h) {
+        if (!inside && isClosed(graph.portalTo[h])) continue;
         add(at, graph.portals[h].right, atHeight, graph.portalHeights[h].right);
         at = graph.portals[h].left;
         atHeight = graph.portalHeights[h].left;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "navmesh/nav_graph.h"
+#include "navmesh/polygon_states.h"
 
 namespace forewalk::agents {
 
@@ -65,8 +66,10 @@ void appendLoop(std::span<const glm::vec2> corners, glm::vec2 velocity, std::vec
 void appendCircle(glm::vec2 centre, float radius, glm::vec2 velocity, std::vector<Wall>& walls);
 
 /// Appends the border of a navmesh: every stretch of a polygon's edge that is no portal, linked
-/// along the border. `clearance` is the radius the navmesh was built for, metres. O(n log n) of the
-/// corners.
-void appendBorder(const navmesh::NavGraph& graph, float clearance, std::vector<Wall>& walls);
+/// along the border. `clearance` is the radius the navmesh was built for, metres. Where `states` of
+/// this graph are given, a portal into what is closed is a wall to whoever is outside, and none to
+/// who comes out. O(n log n) of the corners.
+void appendBorder(const navmesh::NavGraph& graph, float clearance, std::vector<Wall>& walls,
+                  const navmesh::PolygonStates* states = nullptr);
 
 }  // namespace forewalk::agents

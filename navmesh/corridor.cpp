@@ -7,12 +7,19 @@
 namespace forewalk::navmesh {
 
 bool findCorridor(const NavGraph& graph, const Location& from, const Location& to,
-                  CorridorScratch& scratch, std::vector<std::uint32_t>& corridor) {
+                  CorridorScratch& scratch, std::vector<std::uint32_t>& corridor,
+                  const PolygonStates* states) {
   corridor.clear();
   const std::uint32_t polygons = graph.polygonCount();
   if (index(from.polygon) >= polygons || index(to.polygon) >= polygons) return false;
   if (graph.component[index(from.polygon)] != graph.component[index(to.polygon)]) return false;
   if (from.polygon == to.polygon) return true;
+  if (states != nullptr && states->cost.empty()) states = nullptr;
+  if (states != nullptr && states->isClosed(to.polygon)) return false;
+  const auto costOf = [&](PolygonId polygon) {
+    return states == nullptr ? 1.0f : states->costOf(polygon);
+  };
+  const float goalCost = costOf(to.polygon);
 
   if (scratch.states_.size() < graph.portalCount()) {
     scratch.states_.resize(graph.portalCount(),
@@ -33,14 +40,18 @@ bool findCorridor(const NavGraph& graph, const Location& from, const Location& t
     CorridorScratch::State& state = scratch.states_[h];
     if (state.stamp == scratch.stamp_ && (state.settled || state.length <= length)) return;
     state = {length, previous, scratch.stamp_, false};
-    const float total = length + glm::distance(graph.portalMidpoint[h], to.plan);
+    // Never more than what is left to pay, and just that from the goal's border on.
+    const float left = glm::distance(graph.portalMidpoint[h], to.plan);
+    const float total = length + (graph.portalTo[h] == to.polygon ? goalCost * left : left);
     scratch.heap_.push_back({total, length, h});
     std::push_heap(scratch.heap_.begin(), scratch.heap_.end(), later);
   };
 
   const std::uint32_t start = index(from.polygon);
+  const float startCost = costOf(from.polygon) == kClosed ? 1.0f : costOf(from.polygon);
   for (std::uint32_t h = graph.portalStart[start]; h < graph.portalStart[start + 1]; ++h) {
-    relax(h, glm::distance(from.plan, graph.portalMidpoint[h]), h);
+    if (costOf(graph.portalTo[h]) == kClosed) continue;
+    relax(h, startCost * glm::distance(from.plan, graph.portalMidpoint[h]), h);
   }
   while (!scratch.heap_.empty()) {
     std::pop_heap(scratch.heap_.begin(), scratch.heap_.end(), later);
@@ -64,9 +75,11 @@ bool findCorridor(const NavGraph& graph, const Location& from, const Location& t
     }
     const std::uint32_t first = graph.portalStart[index(polygon)];
     const std::uint32_t end = graph.portalStart[index(polygon) + 1];
+    const float cost = costOf(polygon);
     for (std::uint32_t next = first; next < end; ++next) {
       if (next == graph.portalTwin[h]) continue;  // turning round never shortens a way
-      const float step = graph.successorLength[graph.successorStart[h] + next - first];
+      if (costOf(graph.portalTo[next]) == kClosed) continue;
+      const float step = cost * graph.successorLength[graph.successorStart[h] + next - first];
       relax(next, candidate.length + step, h);
     }
   }

@@ -12,6 +12,7 @@
 
 #include "navmesh/locate.h"
 #include "navmesh/nav_graph.h"
+#include "navmesh/polygon_states.h"
 
 namespace forewalk::navmesh {
 
@@ -23,7 +24,7 @@ class CorridorScratch {
 
  private:
   friend bool findCorridor(const NavGraph&, const Location&, const Location&, CorridorScratch&,
-                           std::vector<std::uint32_t>&);
+                           std::vector<std::uint32_t>&, const PolygonStates*);
 
   struct State {
     float length;            // from the start to the half-portal's midpoint, metres
@@ -49,10 +50,16 @@ class CorridorScratch {
 /// False, and empty, where there is no way: the two are in different components, or a polygon is
 /// not one of the graph's.
 ///
+/// Where `states` of this graph are given, a metre through a polygon counts for as many as it
+/// costs, and what is closed is not entered: false as well where the goal's polygon is closed, or
+/// all that leads there. Who stands in a closed polygon may leave it, and walks to any place of it.
+/// Links are not taken.
+///
 /// Costs O(n log n) of the half-portals looked at. Allocates only where the scratch or `corridor`
 /// has to grow.
 bool findCorridor(const NavGraph& graph, const Location& from, const Location& to,
-                  CorridorScratch& scratch, std::vector<std::uint32_t>& corridor);
+                  CorridorScratch& scratch, std::vector<std::uint32_t>& corridor,
+                  const PolygonStates* states = nullptr);
 
 /// Replaces `corridor` with the half-portals that `path` crosses, in walking order: a path on the
 /// walkable area that begins in polygon `first` and bends at ends of portals, as taut paths do.

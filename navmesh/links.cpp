@@ -71,7 +71,8 @@ tl::expected<Links, Error> makeLinks(const NavGraph& graph, const LocationIndex&
       groundless->push_back(link.id);
       continue;
     }
-    if (!link.open || entry->polygon == exit->polygon) continue;
+    const bool nowhere = entry->polygon == exit->polygon && entry->plan == exit->plan;
+    if (!link.open || nowhere) continue;
     made.ways.push_back(wayOf(link, *entry, *exit, false));
     if (link.bothWays) made.ways.push_back(wayOf(link, *exit, *entry, true));
   }

@@ -48,7 +48,7 @@ inline constexpr std::uint32_t kMostLinkWays = 64;
 
 /// One way through a link.
 struct LinkWay {
-  PolygonId from;  ///< another than `to`
+  PolygonId from;
   PolygonId to;
   glm::vec2 entry;                ///< in `from`; plan, metres
   glm::vec2 exit;                 ///< in `to`
@@ -80,7 +80,8 @@ struct Links {
 [[nodiscard]] tl::expected<void, Error> validate(const Link& link);
 
 /// Puts links on a graph: both ends go to the nearest ground within kLinkSnap. Their order does not
-/// matter. A link whose ends lie in one polygon leads nowhere and is left out.
+/// matter. A link whose ends are one place leads nowhere and is left out; one whose ends lie in one
+/// polygon is followed by graphs by fronts only.
 ///
 /// Fails as validate does, when two links have one id (kSettingOutOfRange), when more than
 /// kMostLinkWays lead out of one polygon (kTooLarge), and where an end is not on walkable ground

@@ -35,7 +35,7 @@ std::uint32_t openNeighboursOf(const NavGraph& graph, const PolygonStates& state
   const std::span<const LinkWay> ways = states.links.from(PolygonId{polygon});
   for (auto way = ways.begin(); way != ways.end(); ++way) {
     const bool first =
-        std::find(begin, end, way->to) == end &&
+        way->to != PolygonId{polygon} && std::find(begin, end, way->to) == end &&
         std::none_of(ways.begin(), way, [&](const LinkWay& w) { return w.to == way->to; });
     count += first && !states.isClosed(way->to) ? 1 : 0;
   }
@@ -57,6 +57,7 @@ void settle(const NavGraph& graph, PolygonStates& states) {
   }
   std::vector<char> linked(states.links.empty() ? 0 : graph.polygonCount(), 0);
   for (const LinkWay& way : states.links.ways) {
+    if (way.from == way.to) continue;
     linked[index(way.from)] = 1;
     linked[index(way.to)] = 1;
   }

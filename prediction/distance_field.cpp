@@ -189,24 +189,39 @@ double distanceToSegment(dvec2 a, dvec2 b) {
   return glm::length(a + share * ab);
 }
 
+/// Whether a window lets its root see along `ray`, or is within rounding of it.
+bool sees(const Window& window, dvec2 ray, double tolerance) {
+  const double squaredTolerance = tolerance * tolerance;
+  const auto inside = [&](double side, dvec2 bound) {
+    return side >= 0.0 || side * side <= squaredTolerance * glm::dot(bound, bound);
+  };
+  return window.portal == kNone || (inside(cross(ray, window.left), window.left) &&
+                                    inside(cross(window.right, ray), window.right));
+}
+
 }  // namespace
 
 PortalEnds makePortalEnds(const NavGraph& graph) { return EndWelder(graph).weld(); }
 
 DistanceField::DistanceField(const NavGraph& graph, const PortalEnds& ends,
-                             const DistanceLimits& limits)
-    : graph_(&graph), ends_(&ends), tolerance_(static_cast<double>(roundingOf(graph))) {
+                             const DistanceLimits& limits, const navmesh::Links* links)
+    : graph_(&graph),
+      ends_(&ends),
+      links_(links != nullptr && !links->empty() ? links : nullptr),
+      tolerance_(static_cast<double>(roundingOf(graph))) {
   const std::size_t windows = std::max(1u, limits.windows);
   const std::size_t bends = std::min<std::size_t>(ends.bendCount, windows);
-  corners_.reserve(bends + 1);
-  cornerDistance_.reserve(bends + 1);
+  const std::size_t ways = links_ != nullptr ? links_->ways.size() : 0;
+  corners_.reserve(bends + 1 + 2 * ways);
+  cornerDistance_.reserve(bends + 1 + 2 * ways);
+  passages_.reserve(ways);
   windows_.resize(windows);
   first_.assign(graph.polygonCount(), kNone);
   reached_.resize(std::min<std::size_t>(graph.polygonCount(), windows));
-  states_.resize(ends.count());
-  touched_.resize(ends.count());
+  states_.resize(ends.count() + ways);
+  touched_.resize(ends.count() + ways);
   // Improved corners are pushed again; when the queue is full, what is stale is thrown out.
-  queue_.reserve(4 * bends + 64);
+  queue_.reserve(4 * (bends + ways) + 64);
 }
 
 void DistanceField::reset() {
@@ -215,6 +230,7 @@ void DistanceField::reset() {
   touchedCount_ = reachedCount_ = windowCount_ = 0;
   corners_.clear();
   cornerDistance_.clear();
+  passages_.clear();
   queue_.clear();
   limitReached_ = false;
 }
@@ -237,7 +253,9 @@ std::uint32_t DistanceField::newWindow(PolygonId polygon) {
 
 void DistanceField::pushWhole(PolygonId polygon) {
   const std::uint32_t window = newWindow(polygon);
-  if (window != kNone) windows_[window].portal = kNone;
+  if (window == kNone) return;
+  windows_[window].portal = kNone;
+  if (links_ != nullptr) relaxLinks(windows_[window]);
 }
 
 /// Whether a better way to the end has been found since, or it is settled.
@@ -348,6 +366,7 @@ void DistanceField::pass(std::uint32_t portal, std::uint32_t entry, const Sight&
   windows_[window].left = left;
   windows_[window].right = right;
   windows_[window].portal = portal;
+  if (links_ != nullptr) relaxLinks(windows_[window]);
 }
 
 /// What the root at hand sees of a polygon, and of those beyond its portals, but for `entry`.
@@ -423,19 +442,28 @@ void DistanceField::spread(std::uint32_t begin) {
   }
 }
 
-void DistanceField::startFrom(const navmesh::Location& source) {
-  root_ = dvec2(source.plan);
-  rootDistance_ = 0.0;
-  rootCorner_ = 0;
-  corners_.push_back({source.plan, source.height, 0.0f, 0});
-  cornerDistance_.push_back(0.0);
+void DistanceField::addRoot(glm::vec2 plan, float height, double distance, std::uint32_t previous) {
+  root_ = dvec2(plan);
+  rootDistance_ = distance;
+  rootCorner_ = static_cast<std::uint32_t>(corners_.size());
+  corners_.push_back({plan, height, static_cast<float>(distance), previous});
+  cornerDistance_.push_back(distance);
+}
 
+/// From the root at hand, which lies in `polygon` and sees all around: the source, or where a link
+/// leads.
+void DistanceField::seeAllFrom(PolygonId polygon) {
   // Somebody who stands on a portal sees both its sides, whole.
-  pushWhole(source.polygon);
-  for (std::uint32_t i = 0; i < windowCount_ && !limitReached_; ++i) {
+  const std::uint32_t begin = windowCount_;
+  const auto isWhole = [&](PolygonId other) {
+    return std::any_of(windows_.begin() + begin, windows_.begin() + windowCount_,
+                       [&](const Window& w) { return w.polygon == other; });
+  };
+  pushWhole(polygon);
+  for (std::uint32_t i = begin; i < windowCount_ && !limitReached_; ++i) {
     const std::uint32_t p = index(windows_[i].polygon);
     for (std::uint32_t h = graph_->portalStart[p]; h < graph_->portalStart[p + 1]; ++h) {
-      if (first_[index(graph_->portalTo[h])] != kNone) continue;
+      if (isWhole(graph_->portalTo[h])) continue;
       const PortalEnds::Pair ends = ends_->ofPortal[h];
       if (distanceToSegment(rayTo(ends_->plan[ends.left], root_),
                             rayTo(ends_->plan[ends.right], root_)) <= tolerance_) {
@@ -444,7 +472,7 @@ void DistanceField::startFrom(const navmesh::Location& source) {
     }
   }
   const std::uint32_t whole = windowCount_;
-  for (std::uint32_t i = 0; i < whole; ++i) {
+  for (std::uint32_t i = begin; i < whole; ++i) {
     const std::uint32_t p = index(windows_[i].polygon);
     for (std::uint32_t h = graph_->portalStart[p]; h < graph_->portalStart[p + 1]; ++h) {
       const auto see = [&](std::uint32_t end) {
@@ -456,12 +484,89 @@ void DistanceField::startFrom(const navmesh::Location& source) {
       const Sight l = see(ends_->ofPortal[h].left);
       const Sight r = see(ends_->ofPortal[h].right);
       const PolygonId to = graph_->portalTo[h];
-      const bool into = std::none_of(windows_.begin(), windows_.begin() + whole,
+      const bool into = std::none_of(windows_.begin() + begin, windows_.begin() + whole,
                                      [&](const Window& w) { return w.polygon == to; });
       if (into) pass(h, kNone, l, r, {}, {});
     }
   }
+  spread(begin);
 }
+
+// --- Links ---
+
+/// Whether a path may set out from a corner to all sides.
+bool DistanceField::startsAt(std::uint32_t corner) const {
+  return corner == 0 || passageTo(corner) != nullptr;
+}
+
+const LinkPassage* DistanceField::passageTo(std::uint32_t corner) const {
+  const auto at = std::lower_bound(
+      passages_.begin(), passages_.end(), corner,
+      [](const LinkPassage& passage, std::uint32_t exit) { return passage.exit < exit; });
+  return at != passages_.end() && at->exit == corner ? &*at : nullptr;
+}
+
+/// Ways by the root at hand to the exits of the links whose entries it sees in a window.
+void DistanceField::relaxLinks(const Window& window) {
+  const std::span<const navmesh::LinkWay> ways = links_->from(window.polygon);
+  for (const navmesh::LinkWay& way : ways) {
+    const dvec2 ray = rayTo(way.entry, root_);
+    const double entry = rootDistance_ + glm::length(ray);
+    if (static_cast<float>(entry) > horizon_ || !sees(window, ray, tolerance_)) continue;
+    const std::uint32_t id =
+        ends_->count() + static_cast<std::uint32_t>(&way - links_->ways.data());
+    EndState& state = states_[id];
+    const double exit = entry + static_cast<double>(way.length);
+    if (exit >= state.distance || state.corner != kNone) continue;
+    if (state.root == kNone) touched_[touchedCount_++] = id;
+    state.distance = exit;
+    state.root = rootCorner_;
+    const float key = static_cast<float>(exit);
+    if (key <= horizon_) pushEntry(KeyQueue::entryOf(key, PolygonId{id}));
+  }
+}
+
+/// The shortest way through a link is known: on from its exit, unless that was reached sooner.
+void DistanceField::takeLink(std::uint32_t way) {
+  const navmesh::LinkWay& link = links_->ways[way];
+  EndState& state = states_[ends_->count() + way];
+  state.corner = 0;  // settled
+  rootDistance_ = state.distance;
+  if (bestWay(link.to, link.exit).length <= state.distance + tolerance_) return;
+  const double entry = cornerDistance_[state.root] +
+                       glm::length(rayTo(link.entry, dvec2(corners_[state.root].plan)));
+  addRoot(link.entry, link.entryHeight, entry, state.root);
+  const std::uint32_t entryCorner = rootCorner_;
+  addRoot(link.exit, link.exitHeight, state.distance, entryCorner);
+  state.corner = rootCorner_;
+  passages_.push_back({way, entryCorner, rootCorner_});
+  seeAllFrom(link.to);
+}
+
+/// The links that are entered within the horizon and not left, unless something else leads to their
+/// exit.
+void DistanceField::findCutLinks() {
+  const std::size_t taken = passages_.size();
+  for (std::uint32_t i = 0; i < touchedCount_; ++i) {
+    if (touched_[i] < ends_->count() || states_[touched_[i]].corner != kNone) continue;
+    const std::uint32_t way = touched_[i] - ends_->count();
+    const navmesh::LinkWay& link = links_->ways[way];
+    if (bestWay(link.to, link.exit).length <= static_cast<double>(horizon_)) continue;
+    passages_.push_back({way, 0, kNone});
+  }
+  std::sort(passages_.begin() + static_cast<std::ptrdiff_t>(taken), passages_.end(),
+            [](const LinkPassage& a, const LinkPassage& b) { return a.way < b.way; });
+  for (std::size_t i = taken; i < passages_.size(); ++i) {
+    const navmesh::LinkWay& link = links_->ways[passages_[i].way];
+    const std::uint32_t root = states_[ends_->count() + passages_[i].way].root;
+    const double entry =
+        cornerDistance_[root] + glm::length(rayTo(link.entry, dvec2(corners_[root].plan)));
+    passages_[i].entry = static_cast<std::uint32_t>(corners_.size());
+    addRoot(link.entry, link.entryHeight, entry, root);
+  }
+}
+
+// --- Corners ---
 
 /// Walks about the corner `end`, keeping it on the left (or right), up to the wall that the
 /// shortest paths bend around.
@@ -520,15 +625,12 @@ void DistanceField::seeAllAbout(std::uint32_t end) {
 
 void DistanceField::settle(std::uint32_t end) {
   EndState& state = states_[end];
-  const Corner& before = corners_[state.root];
-  state.corner = rootCorner_ = static_cast<std::uint32_t>(corners_.size());
-  root_ = dvec2(ends_->plan[end]);
-  rootDistance_ = state.distance;
-  const dvec2 arrival = root_ - dvec2(before.plan);
-  corners_.push_back(
-      {ends_->plan[end], ends_->height[end], static_cast<float>(state.distance), state.root});
-  cornerDistance_.push_back(state.distance);
-  if (state.distance <= tolerance_) return;  // where the user stands, who sees all around
+  const std::uint32_t before = state.root;
+  addRoot(ends_->plan[end], ends_->height[end], state.distance, before);
+  state.corner = rootCorner_;
+  // Where the user stands, or a link leads, who sees all around already.
+  if (state.distance - cornerDistance_[before] <= tolerance_ && startsAt(before)) return;
+  const dvec2 arrival = root_ - dvec2(corners_[before].plan);
 
   const std::uint32_t begin = windowCount_;
   if (ends_->kind[end] == PortalEnds::Kind::kPinch) {
@@ -545,20 +647,27 @@ void DistanceField::run(const navmesh::Location& source, float horizon) {
   assert(index(source.polygon) < graph_->polygonCount());
   reset();
   horizon_ = completeTo_ = horizon;
-  startFrom(source);
-  spread(0);
+  const std::size_t ways = links_ != nullptr ? links_->ways.size() : 0;
+  addRoot(source.plan, source.height, 0.0, 0);
+  seeAllFrom(source.polygon);
   while (!queue_.empty() && !limitReached_) {
     const KeyQueue::Entry entry = queue_.top();
     queue_.pop();
     const std::uint32_t end = index(KeyQueue::polygonOf(entry));
     if (isStale(entry)) continue;
-    if (corners_.size() == corners_.capacity()) {
+    if (end >= ends_->count()) {
+      takeLink(end - ends_->count());
+      continue;
+    }
+    // Each way by a link has room for the two corners that it may become.
+    if (corners_.size() + 2 * (ways - passages_.size()) == corners_.capacity()) {
       limitReached_ = true;
       rootDistance_ = states_[end].distance;
       break;
     }
     settle(end);
   }
+  if (links_ != nullptr && !limitReached_) findCutLinks();
   if (limitReached_) completeTo_ = std::min(horizon, static_cast<float>(rootDistance_));
 }
 
@@ -567,17 +676,10 @@ DistanceField::Way DistanceField::bestWay(PolygonId polygon, glm::vec2 point) co
   const auto consider = [&](double length, std::uint32_t corner) {
     if (length < best.length) best = {length, corner};
   };
-  const double squaredTolerance = tolerance_ * tolerance_;
   for (std::uint32_t w = first_[index(polygon)]; w != kNone; w = windows_[w].next) {
     const Window& window = windows_[w];
     const dvec2 ray = rayTo(point, dvec2(corners_[window.corner].plan));
-    const auto inside = [&](double side, dvec2 bound) {
-      return side >= 0.0 || side * side <= squaredTolerance * glm::dot(bound, bound);
-    };
-    if (window.portal != kNone && !(inside(cross(ray, window.left), window.left) &&
-                                    inside(cross(window.right, ray), window.right))) {
-      continue;
-    }
+    if (!sees(window, ray, tolerance_)) continue;
     consider(cornerDistance_[window.corner] + glm::length(ray), window.corner);
   }
   if (best.corner != kNone || first_[index(polygon)] == kNone) return best;

@@ -11,6 +11,10 @@
 // of an interval: rays pass through corners, so that every turn is decided on given coordinates, in
 // double precision where it is exact, and windows side by side leave no gap between them.
 //
+// Links (navmesh/links.h) are roots as well: who sees the entry of one knows a way to its exit, as
+// long as the link is longer; when that is settled, and nothing has reached the exit sooner, the
+// exit sees all around, as the user does.
+//
 // Lengths are horizontal metres (navmesh/nav_graph.h). Storeys may lie above each other: every step
 // is from polygon to polygon, nothing is looked up on the plan.
 #pragma once
@@ -22,6 +26,7 @@
 #include <vector>
 
 #include "navmesh/key_queue.h"
+#include "navmesh/links.h"
 #include "navmesh/nav_graph.h"
 #include "prediction/funnel_tree.h"
 #include "prediction/prediction_graph.h"
@@ -72,6 +77,14 @@ struct Window {
   std::uint32_t next;    ///< another window of the same polygon, or kNone
 };
 
+/// A way through a link that shortest paths take, or that the horizon falls into.
+struct LinkPassage {
+  std::uint32_t way;    ///< index into navmesh::Links::ways
+  std::uint32_t entry;  ///< the corner at its entry, an index into corners()
+  std::uint32_t exit;   ///< the corner at its exit; kNone: the horizon lies before it, and nothing
+                        ///< else reaches it within the horizon
+};
+
 /// Sizes fixed at load, so that no frame allocates.
 struct DistanceLimits {
   std::uint32_t windows = 32768;  ///< of one run, >= 1; 48 bytes each
@@ -81,9 +94,10 @@ struct DistanceLimits {
 /// shared between threads.
 class DistanceField {
  public:
-  /// Sizes every buffer. `graph` and `ends`, made from it, must outlive this.
+  /// Sizes every buffer. `graph`, `ends`, made from it, and `links`, made for it, must outlive
+  /// this; null: there are none.
   DistanceField(const navmesh::NavGraph& graph, const PortalEnds& ends,
-                const DistanceLimits& limits = {});
+                const DistanceLimits& limits = {}, const navmesh::Links* links = nullptr);
 
   /// Finds all distances up to `horizon` metres (>= 0, finite) from `source` (a valid polygon,
   /// `source.plan` in it). Costs O(windows + corners log corners) within the horizon, whatever the
@@ -91,8 +105,19 @@ class DistanceField {
   void run(const navmesh::Location& source, float horizon);
 
   /// The source and all corners within the horizon by distance, each after the one before it on the
-  /// shortest path from the source. This and all below lives until the next run.
+  /// shortest path from the source. Entries of links come right before their exits, and those of
+  /// links that the horizon falls into last. This and all below lives until the next run.
   std::span<const Corner> corners() const { return corners_; }
+
+  /// The links that shortest paths lead through, by the distance of their exits, then those that
+  /// the horizon falls into, by way. A link that is longer than another way to its exit is none.
+  std::span<const LinkPassage> passages() const { return passages_; }
+
+  /// The link whose exit a corner is, an element of passages(); null where it is none.
+  const LinkPassage* passageTo(std::uint32_t corner) const;
+
+  /// The links that were given; null: none.
+  const navmesh::Links* links() const { return links_; }
 
   /// All distances are known out to here, metres: the horizon, unless the limit was reached.
   float completeTo() const { return completeTo_; }
@@ -156,7 +181,8 @@ class DistanceField {
   };
 
   void reset();
-  void startFrom(const navmesh::Location& source);
+  void addRoot(glm::vec2 plan, float height, double distance, std::uint32_t previous);
+  void seeAllFrom(PolygonId polygon);
   void settle(std::uint32_t end);
   void turnAbout(std::uint32_t end, bool leftwards, glm::dvec2 arrival);
   void seeAllAbout(std::uint32_t end);
@@ -175,12 +201,17 @@ class DistanceField {
   Bends bendsAt(std::uint32_t end, glm::dvec2 arrival) const;
   void pushEntry(navmesh::KeyQueue::Entry entry);
   bool isStale(navmesh::KeyQueue::Entry entry) const;
+  bool startsAt(std::uint32_t corner) const;
+  void relaxLinks(const Window& window);
+  void takeLink(std::uint32_t way);
+  void findCutLinks();
   void pushWhole(PolygonId polygon);
   std::uint32_t newWindow(PolygonId polygon);
   Way bestWay(PolygonId polygon, glm::vec2 point) const;
 
   const navmesh::NavGraph* graph_;
   const PortalEnds* ends_;
+  const navmesh::Links* links_;  // null: none
   double tolerance_;  // metres; how far rounding may put a point beside the ray that it lies on
 
   float horizon_ = 0.0f;
@@ -199,9 +230,10 @@ class DistanceField {
   std::vector<std::uint32_t> first_;  // per polygon: its first window
   std::vector<PolygonId> reached_;    // the first reachedCount_ are in use
   std::uint32_t reachedCount_ = 0;
-  std::vector<EndState> states_;        // per end
+  std::vector<EndState> states_;        // per end, then per way of links: its exit, by that way
   std::vector<std::uint32_t> touched_;  // ends with a state; the first touchedCount_ are in use
   std::uint32_t touchedCount_ = 0;
+  std::vector<LinkPassage> passages_;
   navmesh::KeyQueue queue_;
 };
 

@@ -101,7 +101,8 @@ Json nodeToJson(const PredictionGraph& graph, std::size_t i) {
 
 Json edgeToJson(const NavGraph& navGraph, const PredictionGraph& graph, const Edge& edge) {
   Json polygons = Json::array();
-  for (const PolygonId polygon : graph.corridorOf(edge))
+  const bool listed = graph.method == Method::kPolygon;
+  for (const PolygonId polygon : listed ? graph.corridorOf(edge) : std::span<const PolygonId>{})
     polygons.push_back(navmesh::index(polygon));
   Json json = {{"from", index(edge.from)},  {"to", index(edge.to)},
                {"kind", nameOf(edge.kind)}, {"length", edge.length},

@@ -1,12 +1,35 @@
 #include "prediction/front_graph.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 namespace forewalk::prediction {
 
 using navmesh::NavGraph;
+
+namespace {
+
+/// The links from what is open to what is open.
+navmesh::Links openLinks(const navmesh::PolygonStates& states) {
+  navmesh::Links open = states.links;
+  const auto leadsNowhere = [&](const navmesh::LinkWay& way) {
+    return states.isClosed(way.from) || states.isClosed(way.to);
+  };
+  open.ways.erase(std::remove_if(open.ways.begin(), open.ways.end(), leadsNowhere),
+                  open.ways.end());
+  if (open.ways.size() == states.links.ways.size()) return open;
+  if (open.ways.empty()) return {};
+  std::uint32_t way = 0;  // they are ordered by `from`
+  for (std::uint32_t p = 0; p < open.wayStart.size(); ++p) {
+    while (way < open.ways.size() && index(open.ways[way].from) < p) ++way;
+    open.wayStart[p] = way;
+  }
+  return open;
+}
+
+}  // namespace
 
 FrontIndex makeFrontIndex(const NavGraph& graph, const navmesh::PolygonStates* states) {
   FrontIndex index;
@@ -15,6 +38,7 @@ FrontIndex makeFrontIndex(const NavGraph& graph, const navmesh::PolygonStates* s
     for (const float cost : states->cost) index.closed.push_back(isClosed(cost));
     index.open = std::make_shared<const NavGraph>(navmesh::openPart(graph, *states));
   }
+  if (states != nullptr) index.links = openLinks(*states);
   const NavGraph& open = index.open != nullptr ? *index.open : graph;
   index.ends = makePortalEnds(open);
   index.cells = makeCellMesh(open, index.ends);
@@ -25,7 +49,7 @@ FrontScratch::FrontScratch(const NavGraph& graph, const FrontIndex& index,
                            const DistanceLimits& limits)
     : index_(&index),
       navGraph_(index.open != nullptr ? index.open.get() : &graph),
-      field_(*navGraph_, index.ends, limits),
+      field_(*navGraph_, index.ends, limits, &index.links),
       sweep_(*navGraph_, index.ends, index.cells, limits.windows) {
   // Hardly more than one node a polygon.
   const std::size_t polygons = 64 + std::min<std::size_t>(graph.polygonCount(), limits.windows);
@@ -38,6 +62,9 @@ FrontScratch::FrontScratch(const NavGraph& graph, const FrontIndex& index,
   graph_.pathPoints.reserve(4 * polygons);
   graph_.terminals.reserve(polygons);
   graph_.fronts.reserve(polygons);
+  if (index.links.empty()) return;
+  graph_.linkSteps.reserve(polygons);
+  graph_.corridorPolygons.reserve(4 * polygons);
 }
 
 /// Builds one graph from one sweep. Lives for one predictFronts() call.
@@ -263,10 +290,27 @@ class FrontAssembly {
     Node& node = addNode(NodeKind::kTerminal, front.crossing, front.polygon, out_.horizon,
                          nodeAt(way.from), arc.corner);
     node.reason = TerminalReason::kHorizon;
+    const LinkPassage* cut = nullptr;
+    if (front.link != kNone) {
+      cut = &scratch_.field_.passages()[front.link];
+      node.height = heightIn(*cut);
+    }
     const NodeId id{static_cast<std::uint32_t>(out_.nodes.size() - 1)};
     out_.terminals.push_back(id);
     out_.fronts.push_back({front.from, front.to, front.length});
-    addPathEdge(id, node.prev, arc.corner, EdgeKind::kTree, widthOf(way));
+    addPathEdge(id, node.prev, arc.corner, EdgeKind::kTree, widthOf(way), cut);
+  }
+
+  /// Where the horizon falls into a link, metres.
+  float heightIn(const LinkPassage& cut) const {
+    const navmesh::LinkWay& way = wayOf(cut);
+    const float walked = out_.horizon - out_.corners[cut.entry].distance;
+    const float share = way.length > 0.0f ? std::clamp(walked / way.length, 0.0f, 1.0f) : 0.0f;
+    return way.entryHeight + share * (way.exitHeight - way.entryHeight);
+  }
+
+  const navmesh::LinkWay& wayOf(const LinkPassage& passage) const {
+    return scratch_.field_.links()->ways[passage.way];
   }
 
   NodeId nodeAt(std::uint32_t event) const {
@@ -291,8 +335,10 @@ class FrontAssembly {
     return node;
   }
 
-  /// An edge along the shortest path to `from` by `corner`, back to the distance of `to`.
-  void addPathEdge(NodeId from, NodeId to, std::uint32_t corner, EdgeKind kind, float width) {
+  /// An edge along the shortest path to `from` by `corner`, back to the distance of `to`. `cut`:
+  /// the link that `from` lies in.
+  void addPathEdge(NodeId from, NodeId to, std::uint32_t corner, EdgeKind kind, float width,
+                   const LinkPassage* cut = nullptr) {
     const Node& node = out_.node(from);
     const float end = out_.node(to).distance;
     Edge& edge = out_.edges.emplace_back();
@@ -301,24 +347,67 @@ class FrontAssembly {
     edge.kind = kind;
     edge.length = node.distance - end;
     edge.polygonStart = static_cast<std::uint32_t>(out_.corridorPolygons.size());
-    edge.polygonCount = 0;
     edge.pathStart = static_cast<std::uint32_t>(out_.pathPoints.size());
     edge.width = width;
     out_.pathPoints.push_back(node.plan);
     glm::vec2 at = node.plan;
     float distance = node.distance;
-    while (out_.corners[corner].distance > end) {
-      at = out_.corners[corner].plan;
-      distance = out_.corners[corner].distance;
-      if (out_.pathPoints.back() != at) out_.pathPoints.push_back(at);
+    const LinkPassage* link = cut;  // that leads to `at`
+    const auto stepBackTo = [&](glm::vec2 place, float before) {
+      if (link != nullptr) {
+        addLinkStep(*link, distance - before);
+        out_.pathPoints.push_back(place);
+      } else if (out_.pathPoints.back() != place) {
+        out_.pathPoints.push_back(place);
+      }
+      at = place;
+      distance = before;
+    };
+    while (out_.corners[corner].distance > end || beginsWithLink(corner, out_.node(to))) {
+      stepBackTo(out_.corners[corner].plan, out_.corners[corner].distance);
+      link = scratch_.field_.passageTo(corner);
       corner = out_.corners[corner].previous;
     }
     const Corner& before = out_.corners[corner];
     const float leg = distance - before.distance;
-    const float share = leg > 0.0f ? (distance - end) / leg : 0.0f;
-    const glm::vec2 last = glm::mix(at, before.plan, std::clamp(share, 0.0f, 1.0f));
-    if (out_.pathPoints.back() != last) out_.pathPoints.push_back(last);
+    const float share = leg > 0.0f ? (distance - end) / leg : link != nullptr ? 1.0f : 0.0f;
+    stepBackTo(glm::mix(at, before.plan, std::clamp(share, 0.0f, 1.0f)), end);
+    edge.polygonCount =
+        static_cast<std::uint32_t>(out_.corridorPolygons.size()) - edge.polygonStart;
     edge.pathCount = static_cast<std::uint32_t>(out_.pathPoints.size()) - edge.pathStart;
+  }
+
+  /// Whether `corner`, no farther than `to`, lies behind it nevertheless: behind links of no
+  /// length.
+  bool beginsWithLink(std::uint32_t corner, const Node& to) const {
+    for (; corner != 0 && out_.corners[corner].distance == to.distance;
+         corner = out_.corners[corner].previous) {
+      const LinkPassage* link = scratch_.field_.passageTo(corner);
+      if (link == nullptr) continue;
+      const Corner& entry = out_.corners[link->entry];
+      if (entry.distance == to.distance && entry.plan == to.plan &&
+          std::abs(entry.height - to.height) < 0.01f) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Of the edge at hand, which goes backwards through the link from the latest point of its path.
+  void addLinkStep(const LinkPassage& link, float length) {
+    const Edge& edge = out_.edges.back();
+    const navmesh::LinkWay& way = wayOf(link);
+    const auto known = [&] {
+      return static_cast<std::uint32_t>(out_.corridorPolygons.size()) - edge.polygonStart;
+    };
+    const auto point = static_cast<std::uint32_t>(out_.pathPoints.size()) - 1 - edge.pathStart;
+    if (link.exit != kNone) {  // over the floor behind the link
+      if (known() == 0) out_.corridorPolygons.push_back(out_.node(edge.from).polygon);
+      out_.corridorPolygons.push_back(way.to);
+    }
+    out_.linkSteps.push_back({static_cast<std::uint32_t>(out_.edges.size()) - 1, point, known(),
+                              length, way.link, false});
+    out_.corridorPolygons.push_back(way.from);
   }
 
   /// What a tree cannot show: the other ways into a join, and ways that end in a meeting.

@@ -11,6 +11,13 @@
 // What differs: distances are exact; a branch lies where the front touches the wall that splits it,
 // not where people turn; the path of an edge is that part of the shortest path to its `from` node
 // that lies beyond the distance of its `to` node, and its corridor is not listed.
+//
+// A link (navmesh/links.h) that shortest paths lead through is a way that leaves its entry, where
+// it branches off, and comes out of its exit; both are corners of the paths through it. One that is
+// longer than walking is none. A way that the horizon cuts in a link ends there: on the straight
+// line from entry to exit, in the entry's polygon, with a front of no length. Of edges that lead
+// through links the corridor has the polygons where each stretch of floor begins and ends, of the
+// last one where it begins.
 #pragma once
 
 #include <memory>
@@ -26,12 +33,13 @@ namespace forewalk::prediction {
 struct FrontIndex {
   std::shared_ptr<const navmesh::NavGraph> open;  ///< openPart() of the graph; null: all is open
   std::vector<bool> closed;                       ///< per polygon; empty: none is
+  navmesh::Links links;                           ///< those between places that are open
   PortalEnds ends;                                ///< of `open`, or of the graph
   CellMesh cells;                                 ///< likewise
 };
 
-/// For `graph` where `states` of it (null: none) say what is closed. What costs more is as good as
-/// any ground here, and links are not followed: fronts know of metres only. O(n log n) in the
+/// For `graph` where `states` of it (null: none) say what is closed and where links lead. What
+/// costs more is as good as any ground here: fronts know of metres only. O(n log n) in the
 /// half-portals: some 0.5 ms for 1,000 polygons.
 FrontIndex makeFrontIndex(const navmesh::NavGraph& graph,
                           const navmesh::PolygonStates* states = nullptr);
@@ -77,10 +85,9 @@ class FrontScratch {
 /// The graph around `source` (from navmesh::locate) out to `horizon` metres (>= 0, finite).
 ///
 /// Somebody who stands on what is closed is taken to be at the nearest portal that leads from there
-/// to what is open. Never fails: an invalid source polygon, or a closed one from where none does,
-/// gives a graph of the source alone with kSourceOffMesh; if
-/// the window limit is reached, `completeTo` says how far the graph is right, and kPolygonLimit is
-/// set.
+/// to what is open; links do not. Never fails: an invalid source polygon, or a closed one from
+/// where none does, gives a graph of the source alone with kSourceOffMesh; if the window limit is
+/// reached, `completeTo` says how far the graph is right, and kPolygonLimit is set.
 ///
 /// The result belongs to `scratch` and lives until its next prediction. Costs O(n log n) in what
 /// lies within the horizon; allocates only while buffers grow to the largest graph seen.

@@ -19,6 +19,10 @@ namespace {
 /// was measured does not show.
 constexpr double kBefore = 2e-5;
 
+/// A piece of the front that is about to end is shorter than this then, metres; one that is about
+/// to close around a pillar, and the place that it set out from, is longer.
+constexpr double kLastPiece = 0.25;
+
 double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// One of the two places that are equally far by three roots (the problem of Apollonius), and how
@@ -53,6 +57,32 @@ bool equallyFarFrom(const View* const (&views)[3], double root, dvec2& place, do
   return true;
 }
 
+/// The area that a closed front runs around, followed leftwards; negative where that is still to be
+/// reached. Square metres.
+double areaWithin(std::span<const FrontPiece> loop) {
+  double twice = 0.0;
+  for (const FrontPiece& piece : loop) {
+    const dvec2 root = piece.view->root;
+    twice += cross(root, piece.to - piece.from) + glm::distance(root, piece.from) * piece.length;
+  }
+  return 0.5 * twice;
+}
+
+/// The point with the largest x of a piece that was followed rightwards.
+dvec2 rightmostOf(const FrontPiece& piece) {
+  const dvec2 root = piece.view->root;
+  const dvec2 start = piece.from - root;
+  const double radius = glm::length(start);
+  const auto turnTo = [&](dvec2 ray) {  // rises from 0 to 4 on the way around
+    const double cosine = glm::dot(start, ray) / (radius * radius);
+    return cross(start, ray) <= 0.0 ? 1.0 - cosine : 3.0 + cosine;
+  };
+  const dvec2 outmost(radius, 0.0);
+  const bool whole = piece.from == piece.to;
+  if (whole || turnTo(outmost) <= turnTo(piece.to - root)) return root + outmost;
+  return piece.from.x > piece.to.x ? piece.from : piece.to;
+}
+
 /// Whether three roots that see a place lie all around it.
 bool isPeak(const View* const (&views)[3], dvec2 place) {
   const dvec2 a = views[0]->root - place;
@@ -84,6 +114,8 @@ FrontSweep::FrontSweep(const NavGraph& graph, const PortalEnds& ends, const Cell
   arcs_.reserve(walls);
   fronts_.reserve(walls);
   meetings_.reserve(64);
+  seeds_.reserve(64);
+  entered_.reserve(64);
   pieces_.reserve(256);
 }
 
@@ -103,11 +135,20 @@ void FrontSweep::run(const DistanceField& field, const navmesh::Location& source
   endsOf_.clear();
   alive_.clear();
   arcOf_.assign(walls_.stretches().size(), kNone);
+  seeds_.clear();
+  entered_.assign(field.passages().size(), kNone);
   addArc(addEvent(dvec2(source.plan), source.polygon, 0.0f), {kNone, kNone});
+  seeds_.push_back({0, 0, false});
   listEvents();
+  const std::size_t links = 2 * field.passages().size();
   const std::size_t extremes = walls_.extremes().size();
   for (const Key key : order_) {
-    const std::uint32_t number = index(KeyQueue::polygonOf(key));
+    std::uint32_t number = index(KeyQueue::polygonOf(key));
+    if (number < links) {
+      number % 2 == 0 ? enterLink(number / 2) : leaveLink(number / 2);
+      continue;
+    }
+    number -= static_cast<std::uint32_t>(links);
     if (number >= extremes) {
       meet(meetings_[number - extremes]);
     } else if (const WallProfile::Extreme& extreme = walls_.extremes()[number]; extreme.low) {
@@ -172,6 +213,15 @@ void FrontSweep::findMeetings(PolygonId polygon) {
 void FrontSweep::listEvents() {
   order_.clear();
   std::uint32_t number = 0;
+  // Links first: a wall may stand right where one leads.
+  for (const LinkPassage& passage : field_->passages()) {
+    const std::span<const Corner> corners = field_->corners();
+    order_.push_back(KeyQueue::entryOf(corners[passage.entry].distance, PolygonId{number}));
+    if (passage.exit != kNone) {
+      order_.push_back(KeyQueue::entryOf(corners[passage.exit].distance, PolygonId{number + 1}));
+    }
+    number += 2;
+  }
   for (const WallProfile::Extreme& extreme : walls_.extremes()) {
     order_.push_back(
         KeyQueue::entryOf(walls_.samples()[extreme.sample].value, PolygonId{number++}));
@@ -229,11 +279,63 @@ std::uint32_t FrontSweep::arcOn(const FrontEnd& end, bool left) const {
   return kNone;
 }
 
-std::uint32_t FrontSweep::closedArc() const {
-  for (const std::uint32_t arc : alive_) {
-    if (endsOf_[arc].left == kNone) return arc;
+/// The seed, by number, that the shortest path to a corner of the field sets out from at last.
+std::uint32_t FrontSweep::seedOf(std::uint32_t corner) const {
+  while (corner != 0 && field_->passageTo(corner) == nullptr) {
+    corner = field_->corners()[corner].previous;
   }
-  return kNone;
+  std::uint32_t seed = 0;
+  while (seed + 1 < seeds_.size() && seeds_[seed].corner != corner) ++seed;
+  return seed;
+}
+
+bool FrontSweep::isSeedArc(std::uint32_t arc) const {
+  return std::any_of(seeds_.begin(), seeds_.end(),
+                     [arc](const Seed& seed) { return seed.arc == arc; });
+}
+
+/// What was all around some corners is all around them as another arc, or, kNone, no more.
+void FrontSweep::reseed(std::uint32_t arc, std::uint32_t now) {
+  for (Seed& seed : seeds_) {
+    if (seed.arc != arc) continue;
+    seed.arc = now;
+    seed.opened = seed.opened || now == kNone;
+  }
+}
+
+/// Whether a closed front runs inward.
+bool FrontSweep::hasPockets() const {
+  return std::any_of(alive_.begin(), alive_.end(), [this](std::uint32_t arc) {
+    return endsOf_[arc].left == kNone && !isSeedArc(arc);
+  });
+}
+
+/// The arc of the closed front that passes at a spot, or kNone.
+std::uint32_t FrontSweep::closedArc(const Spot& spot) {
+  const std::uint32_t own = seeds_[seedOf(spot.view->corner)].arc;
+  // Before it has touched a wall, nothing but its own seed is behind a front.
+  const auto fits = [&](std::uint32_t arc) {
+    const auto isFresh = [arc](const Seed& seed) { return seed.arc == arc && !seed.opened; };
+    return endsOf_[arc].left == kNone &&
+           (arc == own || std::none_of(seeds_.begin(), seeds_.end(), isFresh));
+  };
+  std::uint32_t found = kNone;
+  bool outward = false, followed = false;
+  for (const std::uint32_t arc : alive_) {
+    if (!fits(arc)) continue;
+    if (found == kNone) {
+      found = arc;
+      continue;
+    }
+    if (!followed) {
+      pieces_.clear();
+      trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, Direction::kLeftwards, &pieces_);
+      outward = areaWithin(pieces_) > 0.0;
+      followed = true;
+    }
+    if (outward ? arc == own : !isSeedArc(arc) && isSeedArc(found)) found = arc;
+  }
+  return found;
 }
 
 /// The arc that passes at a spot, followed one way, or where that is not clear the other.
@@ -241,10 +343,15 @@ std::uint32_t FrontSweep::arcAt(const Spot& spot, Direction direction) {
   if (alive_.empty()) return kNone;
   if (alive_.size() == 1) return alive_.front();
   if (spot.view != nullptr) {
+    // Right where a front sets out it is too small to be followed.
+    if (seeds_.size() > 1) {
+      const Seed& seed = seeds_[seedOf(spot.view->corner)];
+      if (!seed.opened && seed.arc != kNone && !hasPockets()) return seed.arc;
+    }
     for (int tries = 0; tries < 2; ++tries) {
       const FrontEnd end = trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, direction);
       const std::uint32_t arc = end.how == FrontEnd::How::kClosed
-                                    ? closedArc()
+                                    ? closedArc(spot)
                                     : arcOn(end, direction == Direction::kLeftwards);
       if (arc != kNone) return arc;
       direction =
@@ -280,6 +387,55 @@ void FrontSweep::endArc(std::uint32_t arc, std::uint32_t corner) {
   alive_.pop_back();
 }
 
+/// The front comes to the entry of a link: there it goes on, and a way through the link begins.
+void FrontSweep::enterLink(std::uint32_t passage) {
+  const LinkPassage& link = field_->passages()[passage];
+  const navmesh::LinkWay& way = field_->links()->ways[link.way];
+  const float distance = field_->corners()[link.entry].distance;
+  // Several links may lead from one place, and the user may stand there.
+  std::uint32_t& event = entered_[passage];
+  if (events_.front().plan == way.entry && distance == 0.0f) event = 0;
+  for (std::uint32_t other = 0; other < entered_.size() && event == kNone; ++other) {
+    if (entered_[other] == kNone) continue;
+    const FrontEvent& at = events_[entered_[other]];
+    const bool same = at.plan == way.entry && at.polygon == way.from && at.distance == distance;
+    if (same) event = entered_[other];
+  }
+  if (event == kNone) {
+    const View* view = nearestOf(views_.of(way.from), dvec2(way.entry)).view;
+    const Spot spot = spotBefore(dvec2(way.entry), distance, way.from, view);
+    const std::uint32_t arc = arcAt(spot, Direction::kLeftwards);
+    event = addEvent(dvec2(way.entry), way.from, distance);
+    if (arc != kNone) {
+      const Ends ends = endsOf_[arc];
+      endArc(arc, field_->corners()[link.entry].previous);
+      reseed(arc, static_cast<std::uint32_t>(arcs_.size()));
+      addArc(event, ends);
+    }
+  }
+  if (link.exit == kNone) cutLink(passage);
+}
+
+/// The way through a link comes out of it.
+void FrontSweep::leaveLink(std::uint32_t passage) {
+  seeds_.push_back(
+      {field_->passages()[passage].exit, static_cast<std::uint32_t>(arcs_.size()), false});
+  addArc(entered_[passage], {kNone, kNone});
+}
+
+/// The horizon falls into a link that was entered: the way ends there.
+void FrontSweep::cutLink(std::uint32_t passage) {
+  const LinkPassage& link = field_->passages()[passage];
+  const navmesh::LinkWay& way = field_->links()->ways[link.way];
+  const float walked = horizon_ - field_->corners()[link.entry].distance;
+  const float share = way.length > 0.0f ? std::clamp(walked / way.length, 0.0f, 1.0f) : 0.0f;
+  const glm::vec2 place = way.entry + share * (way.exit - way.entry);
+  arcs_.push_back(
+      {entered_[passage], kNone, link.entry, static_cast<std::uint32_t>(fronts_.size())});
+  endsOf_.push_back({kNone, kNone});
+  fronts_.push_back({place, place, place, way.from, 0.0f, passage});
+}
+
 /// The front touches a wall, where the distance along it is lowest, and splits.
 void FrontSweep::touch(const WallProfile::Extreme& low) {
   const WallProfile::Sample& sample = walls_.samples()[low.sample];
@@ -296,6 +452,7 @@ void FrontSweep::touch(const WallProfile::Extreme& low) {
   const Ends ends = endsOf_[arc];
   if (ends.left == kNone) {
     // A closed front opens: the same piece, in another shape.
+    reseed(arc, kNone);
     endsOf_[arc] = {against, along};
     arcOf_[against] = arcOf_[along] = arc;
     return;
@@ -304,6 +461,26 @@ void FrontSweep::touch(const WallProfile::Extreme& low) {
   endArc(arc, spot.view != nullptr ? spot.view->corner : 0);
   addArc(event, {against, ends.right});
   addArc(event, {ends.left, along});
+}
+
+/// Whether two walls meet at a place on the border, with less than half a turn between them: a
+/// front that comes there has nowhere to go.
+bool FrontSweep::isHollow(const WallProfile::Sample& sample) const {
+  if (sample.before != nullptr) return false;
+  const CellMesh::Wall& wall = mesh_->walls[sample.wall];
+  const dvec2 arriving = mesh_->lines[mesh_->walls[wall.previous].edge].along;
+  return cross(arriving, mesh_->lines[wall.edge].along) > 1e-3;
+}
+
+/// Whether an arc whose two ends run into each other, at a spot just before, goes all around what
+/// was reached, a pillar's back last: it goes on, closed. Else nothing of it is left.
+bool FrontSweep::closesAround(const Spot& spot) {
+  if (spot.view == nullptr) return false;
+  pieces_.clear();
+  trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, Direction::kLeftwards, &pieces_);
+  double length = 0.0;
+  for (const FrontPiece& piece : pieces_) length += piece.length;
+  return length > kLastPiece && glm::distance(pieces_.back().to, spot.at) < 0.1 * kLastPiece;
 }
 
 /// Two ends of the front run into each other, where the distance along a wall is highest.
@@ -317,6 +494,11 @@ void FrontSweep::close(const WallProfile::Extreme& high) {
   arcOf_[along] = arcOf_[sample.stretch] = kNone;
   if (first == kNone || second == kNone) return;
   const Spot before = spotAt(sample, false);
+  if (first == second && !isHollow(sample) && closesAround(before)) {
+    endsOf_[first] = {kNone, kNone};
+    seeds_[seedOf(before.view->corner)].arc = first;
+    return;
+  }
   const std::uint32_t event = addEvent(walls_.placeOf(sample), before.polygon, sample.value);
   const auto cornerOf = [](const Spot& spot) {
     return spot.view != nullptr ? spot.view->corner : 0;
@@ -342,13 +524,17 @@ void FrontSweep::meet(const Meeting& meeting) {
   const Ends endsA = endsOf_[a];
   const Ends endsB = endsOf_[b];
   endArc(a, meeting.sides[0]->corner);
+  const std::uint32_t next = static_cast<std::uint32_t>(arcs_.size());
   if (a == b) {
+    if (endsA.left == kNone) reseed(a, next);
     addArc(event, endsA);
     addArc(event, {kNone, kNone});
     return;
   }
   endArc(b, meeting.sides[1]->corner);
   if (endsA.left == kNone || endsB.left == kNone) {
+    const bool closed = endsA.left == endsB.left;
+    for (const std::uint32_t arc : {a, b}) reseed(arc, closed ? next : kNone);
     addArc(event, endsA.left == kNone ? endsB : endsA);
     return;
   }
@@ -404,9 +590,9 @@ float FrontSweep::widthOf(std::uint32_t arc) const {
 
 // --- The horizon ---
 
-/// A place of a front at the horizon that no wall ends: on a portal, or anywhere in a polygon that
-/// it does not leave.
-bool FrontSweep::startInTheOpen(Spot& spot) const {
+/// A place of a front at the horizon that no wall ends, that of the arc: on a portal, or anywhere
+/// in a polygon that it does not leave.
+bool FrontSweep::startInTheOpen(std::uint32_t arc, Spot& spot) {
   const double level = static_cast<double>(horizon_);
   const auto isClosed = [&](PolygonId polygon, const View& view, dvec2 place) {
     if (!view.sees(place) || nearestOf(views_.of(polygon), place).distance < level - 1e-6) {
@@ -414,7 +600,8 @@ bool FrontSweep::startInTheOpen(Spot& spot) const {
     }
     spot = {polygon, &view, place, level};
     return trace_.follow(polygon, view, place, level, Direction::kRightwards).how ==
-           FrontEnd::How::kClosed;
+               FrontEnd::How::kClosed &&
+           closedArc(spot) == arc;
   };
   for (const PolygonId polygon : field_->polygons()) {
     for (const View& view : views_.of(polygon)) {
@@ -434,7 +621,10 @@ bool FrontSweep::startInTheOpen(Spot& spot) const {
         for (const double side : {-1.0, 1.0}) {
           const double along = glm::dot(ray, line.along) + side * std::sqrt(half);
           if (along < 0.0 || along > line.length) continue;
-          if (isClosed(polygon, view, line.from + along * line.along)) return true;
+          const dvec2 place = line.from + along * line.along;
+          // Where the front, followed rightwards, comes into the polygon.
+          if (glm::dot(corner.along, view.root - place) <= 0.0) continue;
+          if (isClosed(polygon, view, place)) return true;
         }
       }
     }
@@ -452,7 +642,17 @@ void FrontSweep::addFront(std::uint32_t arc, const Spot& spot) {
   HorizonFront front{glm::vec2(spot.at), glm::vec2(spot.at), glm::vec2(spot.at), spot.polygon,
                      static_cast<float>(length)};
   arcs_[arc].corner = spot.view->corner;
-  if (!pieces_.empty() && end.how != FrontEnd::How::kClosed) {
+  if (end.how == FrontEnd::How::kClosed) {
+    // No place on it is its middle: the one with the largest x, wherever it was found.
+    for (const FrontPiece& piece : pieces_) {
+      for (const dvec2 place : {piece.from, rightmostOf(piece)}) {
+        if (!(glm::vec2(place).x > front.crossing.x)) continue;
+        front.from = front.to = front.crossing = glm::vec2(place);
+        front.polygon = piece.polygon;
+        arcs_[arc].corner = piece.view->corner;
+      }
+    }
+  } else if (!pieces_.empty()) {
     front.to = glm::vec2(pieces_.back().to);
     double before = 0.0;
     for (const FrontPiece& piece : pieces_) {
@@ -521,7 +721,7 @@ void FrontSweep::endAtHorizon() {
   for (const std::uint32_t arc : alive_) {
     Spot spot;
     const bool closed = endsOf_[arc].left == kNone;
-    if (closed ? startInTheOpen(spot) : spotOnWall(endsOf_[arc].left, horizon_, spot)) {
+    if (closed ? startInTheOpen(arc, spot) : spotOnWall(endsOf_[arc].left, horizon_, spot)) {
       addFront(arc, spot);
     } else if (closed) {
       shrink(arc);

@@ -11,6 +11,10 @@
 // pieces that ran toward each other along it meet, or one piece dies. Apart from that, fronts from
 // two sides may meet in the open. Which piece it is that touches a wall is found by following the
 // front from there to the walls that it ends on (front_trace.h).
+//
+// Where the front comes to the entry of a link that shortest paths lead through, the ways part: one
+// goes on over the floor, the other through the link, and when it comes out of the exit it is a
+// closed front about that.
 #pragma once
 
 #include <cstdint>
@@ -46,10 +50,12 @@ struct FrontArc {
 
 /// A piece of the front at the horizon.
 struct HorizonFront {
-  glm::vec2 from, to;  ///< its ends, on walls; equal where it is closed
-  glm::vec2 crossing;  ///< its middle
-  PolygonId polygon;   ///< holds the middle
-  float length;        ///< metres
+  glm::vec2 from, to;          ///< its ends, on walls; equal where it is closed
+  glm::vec2 crossing;          ///< its middle
+  PolygonId polygon;           ///< holds the middle
+  float length;                ///< metres
+  std::uint32_t link = kNone;  ///< the passage (DistanceField) that the horizon falls into, where
+                               ///< the way is cut on its straight line; kNone: it is on the floor
 };
 
 class FrontSweep {
@@ -99,24 +105,39 @@ class FrontSweep {
     glm::dvec2 at;
     double level;
   };
+  /// A front that sets out to all sides: from the source, or from where a link leads.
+  struct Seed {
+    std::uint32_t corner;  // of the field, where it does
+    std::uint32_t arc;     // the closed one all around it, or kNone: it ends on walls by now
+    bool opened;           // it has ended on walls
+  };
   void findMeetings(PolygonId polygon);
   void listEvents();
   Spot spotBefore(glm::dvec2 place, float value, PolygonId polygon, const View* view) const;
   Spot spotAt(const WallProfile::Sample& sample, bool after) const;
   std::uint32_t arcAt(const Spot& spot, Direction direction);
   std::uint32_t arcOn(const FrontEnd& end, bool left) const;
-  std::uint32_t closedArc() const;
+  std::uint32_t closedArc(const Spot& spot);
+  std::uint32_t seedOf(std::uint32_t corner) const;
+  bool isSeedArc(std::uint32_t arc) const;
+  bool hasPockets() const;
+  void reseed(std::uint32_t arc, std::uint32_t now);
 
   void addArc(std::uint32_t from, Ends ends);
   void endArc(std::uint32_t arc, std::uint32_t corner);
   std::uint32_t addEvent(glm::dvec2 place, PolygonId polygon, float distance);
+  void enterLink(std::uint32_t passage);
+  void leaveLink(std::uint32_t passage);
+  void cutLink(std::uint32_t passage);
   void touch(const WallProfile::Extreme& low);
+  bool isHollow(const WallProfile::Sample& sample) const;
+  bool closesAround(const Spot& spot);
   void close(const WallProfile::Extreme& high);
   void meet(const Meeting& meeting);
 
   void endAtHorizon();
   bool spotOnWall(std::uint32_t stretch, float level, Spot& spot) const;
-  bool startInTheOpen(Spot& spot) const;
+  bool startInTheOpen(std::uint32_t arc, Spot& spot);
   void shrink(std::uint32_t arc);
   void addFront(std::uint32_t arc, const Spot& spot);
 
@@ -132,10 +153,12 @@ class FrontSweep {
   FrontTrace trace_;
 
   std::vector<Meeting> meetings_;
-  std::vector<Key> order_;            // of extremes, then meetings, by number
+  std::vector<Key> order_;            // of passages, extremes, then meetings, by number
   std::vector<std::uint32_t> arcOf_;  // per stretch: the arc that ends there now, or kNone
   std::vector<Ends> endsOf_;          // per arc
   std::vector<std::uint32_t> alive_;  // arcs, in no order
+  std::vector<Seed> seeds_;
+  std::vector<std::uint32_t> entered_;  // per passage: the event at its entry, or kNone
   std::vector<FrontPiece> pieces_;
 
   std::vector<FrontEvent> events_;

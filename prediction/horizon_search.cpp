@@ -254,7 +254,7 @@ void HorizonSearch::relaxFromSource(const navmesh::Location& source) {
 /// where the walk is at `from`.
 void HorizonSearch::relaxLinks(std::uint32_t node, glm::vec2 from, float key, float cost) {
   for (const navmesh::LinkWay& way : states_->links.from(tree_[node].polygon)) {
-    if (states_->isClosed(way.to)) continue;
+    if (way.to == way.from || states_->isClosed(way.to)) continue;
     ++relaxed_;
     // An exit lies in no chain.
     label(way.to, key + cost * glm::distance(from, way.entry) + way.length,

@@ -300,7 +300,7 @@ class Assembly {
       const std::uint32_t to = tree == kNone ? kNone : nodeOf_[tree];
       const bool seen =
           std::any_of(ways.begin(), way, [&](const auto& w) { return w.to == way->to; });
-      if (to == kNone || seen || isJoined(from, to)) continue;
+      if (to == kNone || to == from || seen || isJoined(from, to)) continue;
       const navmesh::LinkWay* best = &*way;
       bool forward = true;
       const auto offer = [&](const navmesh::LinkWay& other, bool ahead) {

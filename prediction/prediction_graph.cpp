@@ -175,15 +175,11 @@ void wayTo(const PredictionGraph& graph, NodeId id, std::vector<glm::vec3>& way)
   std::reverse(way.begin(), way.end());
 }
 
-/// Where no corridor is known: straight in height, too, from node to node.
-static void liftBetweenNodes(const PredictionGraph& graph, const Edge& edge,
-                             std::vector<glm::vec3>& lifted) {
-  const float from = graph.node(edge.from).height;
-  const float to = graph.node(edge.to).height;
-  const std::span<const glm::vec2> path = graph.pathOf(edge);
+/// Where no corridor is known: straight in height, too, from end to end.
+static void liftStraight(std::span<const glm::vec2> path, float from, float to,
+                         std::vector<glm::vec3>& lifted) {
   const float length = navmesh::lengthOf(path);
   float walked = 0.0f;
-  lifted.clear();
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (i > 0) walked += glm::distance(path[i - 1], path[i]);
     const float share = length > 0.0f ? walked / length : 0.0f;
@@ -202,6 +198,38 @@ std::span<const LinkStep> PredictionGraph::linkStepsOf(const Edge& edge) const {
   return {linkSteps.data() + (begin - linkSteps.begin()), static_cast<std::size_t>(end - begin)};
 }
 
+/// liftEdge where corridors are not listed: a stretch of floor between links after the other.
+static void liftAlongFloor(const navmesh::NavGraph& navGraph, const PredictionGraph& graph,
+                           const Edge& edge, std::vector<std::uint32_t>& portals,
+                           std::vector<glm::vec3>& lifted) {
+  const std::span<const PolygonId> polygons = graph.corridorOf(edge);
+  const std::span<const glm::vec2> path = graph.pathOf(edge);
+  const float last = graph.node(edge.to).height;
+  PolygonId first = graph.node(edge.from).polygon;
+  float height = graph.node(edge.from).height;
+  const auto lift = [&](std::span<const glm::vec2> stretch, float to) {
+    if (navmesh::corridorAlong(navGraph, first, stretch, portals)) {
+      navmesh::appendLifted(navGraph, first, portals, stretch, kLiftTolerance, lifted);
+    } else {
+      liftStraight(stretch, height, to, lifted);
+    }
+  };
+  lifted.clear();
+  std::size_t point = 0;
+  for (const LinkStep& step : graph.linkStepsOf(edge)) {
+    if (step.polygons == 0) {  // from within the link
+      lifted.push_back(graph.node(edge.from).position());
+    } else {
+      lift(path.subspan(point, step.point + 1 - point),
+           navmesh::heightAt(navGraph, polygons[step.polygons - 1], path[step.point]));
+    }
+    point = step.point + 1;
+    first = polygons[step.polygons];
+    height = navmesh::heightAt(navGraph, first, path[point]);
+  }
+  lift(path.subspan(point), last);
+}
+
 /// Appends the path that lies in a row of neighbouring polygons.
 static void liftThrough(const navmesh::NavGraph& navGraph, std::span<const PolygonId> polygons,
                         std::span<const glm::vec2> path, std::vector<std::uint32_t>& portals,
@@ -216,13 +244,8 @@ void liftEdge(const navmesh::NavGraph& navGraph, const PredictionGraph& graph, c
               std::vector<std::uint32_t>& portals, std::vector<glm::vec3>& lifted) {
   const std::span<const PolygonId> polygons = graph.corridorOf(edge);
   const std::span<const glm::vec2> path = graph.pathOf(edge);
-  if (polygons.empty()) {
-    const PolygonId first = graph.node(edge.from).polygon;
-    if (navmesh::corridorAlong(navGraph, first, path, portals)) {
-      navmesh::liftPath(navGraph, first, portals, path, kLiftTolerance, lifted);
-    } else {
-      liftBetweenNodes(graph, edge, lifted);
-    }
+  if (polygons.empty() || graph.method == Method::kFront) {
+    liftAlongFloor(navGraph, graph, edge, portals, lifted);
     return;
   }
   lifted.clear();

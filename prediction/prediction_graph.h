@@ -84,7 +84,8 @@ struct Edge {
   NodeId to;
   EdgeKind kind;
   float length;                              ///< metres
-  std::uint32_t polygonStart, polygonCount;  ///< range in `corridorPolygons`, from `from` to `to`
+  std::uint32_t polygonStart, polygonCount;  ///< range in `corridorPolygons`, from `from` to `to`;
+                                             ///< of graphs by fronts see front_graph.h
   std::uint32_t pathStart, pathCount;        ///< range in `pathPoints`, from `from` to `to`
   float width = 0.0f;  ///< of the way: how far apart its walls are halfway along it, metres; 0 where
                        ///< there are none, or the graph was not made by fronts

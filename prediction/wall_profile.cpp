@@ -312,6 +312,10 @@ WallProfile::Between WallProfile::around(std::uint32_t stretch, float level) con
     const Sample& sample = samples_[between.below];
     between.above = rising ? sample.next : sample.previous;
     if (between.above == kNone || !(samples_[between.above].value <= level)) return between;
+    if (samples_[between.above].value < sample.value || between.above == stretches_[stretch].low) {
+      between.above = kNone;  // over the top
+      return between;
+    }
     between.below = between.above;
   }
 }

@@ -67,8 +67,8 @@ class WallProfile {
     std::uint32_t wall;
     double from, to;
   };
-  /// Where a stretch is `level` metres away, which lies between its low and its top. O(samples of
-  /// the stretch).
+  /// Where a stretch is `level` metres away, which lies between its low and its top; beyond the
+  /// top, there. O(samples of the stretch).
   Reach reachOf(std::uint32_t stretch, float level) const;
 
   /// About where that is: interpolated between the samples around it. O(samples of the stretch).
@@ -79,7 +79,7 @@ class WallProfile {
 
  private:
   struct Between {
-    std::uint32_t below, above;  // samples; above: kNone, beyond the horizon
+    std::uint32_t below, above;  // samples; above: kNone, beyond the horizon or the top
   };
   struct Sight {
     double foot, asideSquared;  // of the root on the wall's line, metres

@@ -72,4 +72,16 @@ const Motion& MotionTracker::frame(const HeadPose& pose, double seconds) {
   return motion_;
 }
 
+void MotionTracker::resume(const Memory& memory) {
+  *this = MotionTracker(settings_);
+  position_ = memory.position;
+  velocity_ = memory.velocity;
+  heading_ = memory.heading;
+  seconds_ = memory.seconds;
+  started_ = memory.started;
+  motion_.speed = std::sqrt(velocity_.x * velocity_.x + velocity_.y * velocity_.y);
+  motion_.walking = memory.walking && motion_.speed > 0.0;
+  if (motion_.walking) motion_.walkingDirection = velocity_ / motion_.speed;
+}
+
 }  // namespace forewalk::rdw

@@ -64,6 +64,22 @@ class MotionTracker {
   const Motion& frame(const HeadPose& pose, double seconds);
 
   const Motion& last() const { return motion_; }
+
+  /// What the next frame is measured from, and back: frames after resume() go on to the bit. A
+  /// memory that is not sound is the caller's mistake (Session::resume refuses it).
+  struct Memory {
+    glm::dvec2 position{0.0};  ///< plan, metres
+    glm::dvec2 velocity{0.0};  ///< smoothed, m/s
+    double heading = 0.0;      ///< radians
+    double seconds = 0.0;
+    bool started = false;  ///< false: the next frame is a first one
+    bool walking = false;
+  };
+  Memory memory() const {
+    return {position_, velocity_, heading_, seconds_, started_, motion_.walking};
+  }
+  void resume(const Memory& memory);
+
   void reset() { *this = MotionTracker(settings_); }
 
  private:

@@ -100,6 +100,19 @@ class Reset {
   const ResetState& state() const { return state_; }
   std::uint64_t count() const { return count_; }  ///< resets begun
 
+  /// What the next frame depends on, and back: frames after resume() go on to the bit.
+  struct Memory {
+    ResetState state;
+    std::uint64_t count = 0;
+    int sinceWalk = 0;  ///< resets begun since the user last walked
+  };
+  Memory memory() const { return {state_, count_, resetsSinceWalk_}; }
+  void resume(const Memory& memory) {
+    state_ = memory.state;
+    count_ = memory.count;
+    resetsSinceWalk_ = memory.sinceWalk;
+  }
+
   /// Length of floor at `speed` m/s at which a reset begins, metres.
   double stoppingDistance(double speed) const;
 

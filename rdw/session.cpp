@@ -159,6 +159,47 @@ bool Session::teleport(const VirtualStart& to) {
   return true;
 }
 
+SessionState Session::state() const {
+  return {redirector_.redirection(), physical_, location_, tracker_.memory(), reset_.memory()};
+}
+
+bool Session::resume(const SessionState& state) {
+  const Redirection& map = state.redirection;
+  const MotionTracker::Memory& motion = state.motion;
+  // What frames can have led to, generously: heads are within 1000 km of the origin.
+  constexpr double kFarthest = 1e7, kWidest = 7.0;
+  for (const double length : {map.offset.x, map.offset.y, map.height, motion.position.x,
+                              motion.position.y, motion.velocity.x, motion.velocity.y}) {
+    if (!(std::abs(length) <= kFarthest)) return false;
+  }
+  for (const double angle :
+       {map.yaw, motion.heading, state.reset.state.progress, state.reset.state.remaining}) {
+    if (!(std::abs(angle) <= kWidest)) return false;
+  }
+  if (!std::isfinite(motion.seconds)) return false;
+  std::uint32_t flags = kFrameSound;
+  const HeadPose physical = cleaned(state.physical, HeadPose{}, flags);
+  if (flags != kFrameSound) return false;
+  navmesh::Location place = state.location;
+  if (place.polygon != navmesh::kNoPolygon) {
+    if (static_cast<std::uint32_t>(place.polygon) >= world_->graph.polygonCount()) return false;
+    // On a border several polygons would do: the one it was goes on to the bit.
+    const auto found =
+        navmesh::locateFrom(world_->graph, world_->locations, place, place.position(), kFloorSnap);
+    if (!found) return false;
+    if (found->polygon != place.polygon) place = *found;
+  }
+  location_ = place;
+  pending_.reset();
+  groundTaken_ = false;
+  physical_ = physical;
+  redirector_.align(map);
+  tracker_.resume(motion);
+  reset_.resume(state.reset);
+  controller_->restart();
+  return true;
+}
+
 void Session::enter(PreparedWorld& next) {
   assert(next.world != nullptr && (next.scratch != nullptr) == (scratch_ != nullptr) &&
          (next.frontScratch != nullptr) == (frontScratch_ != nullptr));

@@ -125,6 +125,17 @@ struct FrameResult {
   WayLikelihoods likelihoods;  ///< of its ways; empty where the controller does not want them
 };
 
+/// What a session knows that its settings and its world do not: small, so that it can travel, and
+/// another session, in another process, go on from it. A controller's memory stays behind: its
+/// gains begin from neutral again.
+struct SessionState {
+  Redirection redirection;
+  HeadPose physical;           ///< the last sound one
+  navmesh::Location location;  ///< of the user's feet; kNoPolygon until first found
+  MotionTracker::Memory motion;
+  Reset::Memory reset;
+};
+
 class Session {
  public:
   /// Fails (kSettingOutOfRange, kPositionOffNavMesh) when a setting cannot work: an unknown
@@ -175,6 +186,15 @@ class Session {
   /// Puts the user's next frame at another virtual place, looking along its heading (a teleport, a
   /// lift). False, and nothing changes, where it is off the navmesh.
   bool teleport(const VirtualStart& to);
+
+  /// Between frames, after the first one.
+  SessionState state() const;
+
+  /// Goes on where another session was, of the same world and settings: the next frame's virtual
+  /// pose is that of the same map, so nothing jumps for the user, and a reset under way is
+  /// finished. Without a controller all frames to come are the other session's to the bit. False,
+  /// and nothing changes, where a number is not finite or the floor is off the navmesh.
+  [[nodiscard]] bool resume(const SessionState& state);
 
   /// Goes on in another world, where the user stays at the same place of virtual space: for worlds
   /// that move (an obstacle came, a door closed). Between frames; `next` was prepared for the

@@ -170,6 +170,23 @@ const FrameResult& runFrame(Session& session, const HeadPose& head, double t,
   return result;
 }
 
+/// Takes the company's states of the world into a session. Whether they changed.
+bool follow(const std::shared_ptr<const navmesh::PolygonStates>& wanted, Session& session,
+            std::shared_ptr<const navmesh::PolygonStates>& current) {
+  if (wanted == current) return false;
+  current = wanted;
+  if (session.settings().method == prediction::Method::kPolygon) {
+    std::shared_ptr<const navmesh::PolygonStates> next = wanted;
+    session.setStates(next);
+  } else {
+    // Graphs by fronts know the states by their index.
+    PreparedWorld next = prepareWorld(session.sharedWorld(), session.settings().prediction,
+                                      session.settings().method, nullptr, wanted);
+    session.enter(next);
+  }
+  return true;
+}
+
 void describe(const FrameResult& frame, const TrackedSpace& space, FrameRecord& record) {
   record.virtualPosition = frame.virtualPlan.position;
   record.virtualHeading = frame.virtualPlan.heading;
@@ -209,6 +226,17 @@ tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> worl
   if (!session) return tl::unexpected(session.error());
   const TrackedSpace& space = config.session.space;
 
+  Company* const company = run.company;
+  std::shared_ptr<const navmesh::PolygonStates> states = config.session.states;
+  if (company != nullptr) {
+    const VirtualStart& at = walker.start();
+    CompanyUser user{{glm::dvec2(navmesh::toPlan(at.floor)), static_cast<double>(at.heading)},
+                     at.floor.y,
+                     walker.target(),
+                     config.user.walker.speed};
+    if (auto begun = company->begin(user); !begun) return tl::unexpected(begun.error());
+  }
+
   SimulationResult result;
   Account account;
   account.summary.controller = config.session.controller;
@@ -234,7 +262,12 @@ tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> worl
   for (std::uint64_t k = 0; k <= lastFrame; ++k) {
     glm::dvec2 physicalStep{0.0};
     glm::dvec2 virtualStep{0.0};
+    if (company != nullptr && follow(company->states(), *session, states) &&
+        company->userAvoids()) {
+      walker.avoidBlocked(states);
+    }
     if (k > 0) {
+      if (company != nullptr && company->userAvoids()) walker.makeWay(company->makeWay());
       const glm::dvec2 before = walker.body().position;
       walker.advance(dt, session->result(), session->redirection());
       physicalStep = walker.body().position - before;
@@ -246,6 +279,12 @@ tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> worl
         runFrame(*session, walker.head(), record.t, run.microseconds, record);
     virtualStep += frame.injectedTranslation;
     describe(frame, space, record);
+    if (company != nullptr) {
+      const double translation = static_cast<double>(frame.gains.translation);
+      company->follow(k, {frame.virtualPlan, frame.location.height, walker.target(),
+                          config.user.walker.speed * translation});
+      record.company = company->record();
+    }
     account.add(record, frame, glm::length(virtualStep), glm::length(physicalStep),
                 k > 0 ? dt : 0.0);
     if (run.microseconds) account.addTimes(record, frame.graph != nullptr);
@@ -255,6 +294,10 @@ tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> worl
     if (run.progress && k % framesPerReport == 0) {
       run.progress(std::min(1.0, std::max({metres / config.stop.virtualMetres,
                                            record.t / config.stop.seconds, walker.progress()})));
+    }
+    if (run.interrupted && k % framesPerReport == 0 && run.interrupted()) {
+      account.summary.end = WalkEnd::kInterrupted;
+      break;
     }
     if (metres >= config.stop.virtualMetres) {
       account.summary.end = WalkEnd::kMetres;
@@ -269,6 +312,7 @@ tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> worl
       break;
     }
   }
+  if (company != nullptr) account.summary.company = company->summary();
   result.summary = account.finish();
   return result;
 }

@@ -14,6 +14,7 @@
 
 #include "navmesh/error.h"
 #include "navmesh/world.h"
+#include "rdw/company.h"
 #include "rdw/session.h"
 #include "rdw/trace.h"
 #include "rdw/walker.h"
@@ -50,15 +51,22 @@ struct SimulationResult {
 struct SimulationRun {
   std::function<double()> microseconds;  ///< a clock for the time columns; empty: they stay 0
   std::function<void(double done)>
-      progress;  ///< share of the walk, [0, 1], about every simulated second
+      progress;                       ///< share of the walk, [0, 1], about every simulated second
+  std::function<bool()> interrupted;  ///< asked as often; true ends the walk
+  Company* company = nullptr;  ///< who else is in the building; null: nobody. Used for one walk
 };
 
 /// Walks. `world` may be null, which is an endless open plane: for controllers that need no
 /// prediction.
 ///
-/// Fails when the session or the walker cannot be made (see Session::make, makeWalker), a stop
-/// condition or the rate is out of range, an endless plan has no stop condition, or a predictive
-/// controller has no navmesh (kSettingOutOfRange). Costs a frame of the session a frame.
+/// In company, what others block is closed, or costs more, in the user's prediction from the next
+/// frame on, whichever the method; a user who makes way (Company::userAvoids) walks around others
+/// and around what is blocked, one who does not, and a recorded one, walks as if alone.
+///
+/// Fails when the company cannot begin, the session or the walker cannot be made (see
+/// Session::make, makeWalker), a stop condition or the rate is out of range, an endless plan has no
+/// stop condition, or a predictive controller has no navmesh (kSettingOutOfRange). Costs a frame of
+/// the session a frame.
 [[nodiscard]] tl::expected<SimulationResult, Error> simulate(
     std::shared_ptr<const navmesh::World> world, const SimulationConfig& config,
     const SimulationRun& run = {});

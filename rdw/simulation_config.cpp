@@ -258,6 +258,7 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   readStop(fields, simulation.stop);
   readUser(fields, file);
   readStart(fields, simulation.start);
+  if (const Json* agents = fields.find("agents")) file.agents = agents->dump();
   fields.finish();
   if (problem.error()) return tl::unexpected(*problem.error());
   return file;

@@ -17,7 +17,8 @@
 //     "stop": {"virtual_m": 1000, "seconds": 3600},
 //     "user": {"kind": "wander", "speed_m_per_s": 1, "turn_rate_deg_per_s": 90},
 //     "start": {"position": [0, 0, 0], "heading_deg": 0},
-//     "physical_start": {"position": [0, 0], "heading_deg": 0}
+//     "physical_start": {"position": [0, 0], "heading_deg": 0},
+//     "agents": {...}
 //   }
 //
 // Everything but `format` and `user.kind` has a default.
@@ -44,6 +45,7 @@
 //   and of all: speed_m_per_s, turn_rate_deg_per_s, stop_angle_deg, reaction_s,
 //   acceleration_m_per_s2, deceleration_m_per_s2, pause_min_s, pause_max_s, look_amplitude_deg,
 //   look_period_s, bob_m, sway_m, eye_height_m, corner_margin_m (rdw/walker.h).
+// - agents: who else is in the building; service/company_config.h describes it.
 // Positions are world axes, metres; degrees only where a name says so.
 #pragma once
 
@@ -69,6 +71,7 @@ struct SimulationFile {
       space;  ///< tracked space file to read into simulation.session.space; empty: it is set
   std::string walks;   ///< file whose walk goes into the Recorded plan; empty: none
   std::string walker;  ///< which walk of it; empty: the first
+  std::string agents;  ///< JSON of the field, for who knows what it means; empty: absent
   SimulationConfig simulation;
 };
 

@@ -27,22 +27,41 @@ std::string_view traceHeader() {
 
 std::string traceCsv(std::span<const FrameRecord> frames) {
   fmt::memory_buffer text;
-  fmt::format_to(std::back_inserter(text), "{}\n", traceHeader());
+  const bool inCompany = !frames.empty() && frames.front().company.has_value();
+  fmt::format_to(std::back_inserter(text), "{}{}\n", traceHeader(),
+                 inCompany ? ",agent_clearance,agent_collisions,blocked_polygons" : "");
   for (const FrameRecord& f : frames) {
     fmt::format_to(
         std::back_inserter(text),
         "{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.9f},{:d},{},"
-        "{:.3f},{:.3f},{:.6f},{:.3f}\n",
+        "{:.3f},{:.3f},{:.6f},{:.3f}",
         f.t, plain(f.virtualPosition.x), plain(-f.virtualPosition.y), plain(f.virtualHeading),
         plain(f.physicalPosition.x), plain(-f.physicalPosition.y), plain(f.physicalHeading),
         f.gains.translation, f.gains.rotation, plain(static_cast<double>(f.gains.curvature)),
         plain(f.injectedYaw), f.reset, f.graphNodes, f.predictMicroseconds, f.steerMicroseconds,
         plain(f.borderDistance), f.frameMicroseconds);
+    if (inCompany) {
+      const CompanyRecord company = f.company.value_or(CompanyRecord{});
+      const std::string clearance = std::isfinite(company.clearance)
+                                        ? fmt::format("{:.6f}", plain(company.clearance))
+                                        : std::string();
+      fmt::format_to(std::back_inserter(text), ",{},{},{}", clearance, company.collisions,
+                     company.blockedPolygons);
+    }
+    text.push_back('\n');
   }
   return fmt::to_string(text);
 }
 
 void TraceHash::add(const FrameRecord& f) {
+  const auto mix = [&](double value) {
+    std::uint64_t bits = 0;
+    const double positiveZero = plain(value);
+    std::memcpy(&bits, &positiveZero, sizeof bits);
+    for (int byte = 0; byte < 8; ++byte) {  // by value, so that byte order does not matter
+      hash_ = (hash_ ^ ((bits >> (8 * byte)) & 0xffu)) * 1099511628211u;
+    }
+  };
   const double values[] = {f.t,
                            f.virtualPosition.x,
                            f.virtualPosition.y,
@@ -58,14 +77,11 @@ void TraceHash::add(const FrameRecord& f) {
                            f.reset ? 1.0 : 0.0,
                            static_cast<double>(f.graphNodes),
                            f.borderDistance};
-  for (const double value : values) {
-    std::uint64_t bits = 0;
-    const double positiveZero = plain(value);
-    std::memcpy(&bits, &positiveZero, sizeof bits);
-    for (int byte = 0; byte < 8; ++byte) {  // by value, so that byte order does not matter
-      hash_ = (hash_ ^ ((bits >> (8 * byte)) & 0xffu)) * 1099511628211u;
-    }
-  }
+  for (const double value : values) mix(value);
+  if (!f.company) return;
+  mix(f.company->clearance);
+  mix(static_cast<double>(f.company->collisions));
+  mix(static_cast<double>(f.company->blockedPolygons));
 }
 
 std::string_view nameOf(WalkEnd end) {
@@ -78,6 +94,8 @@ std::string_view nameOf(WalkEnd end) {
       return "finished";
     case WalkEnd::kStuck:
       return "stuck";
+    case WalkEnd::kInterrupted:
+      return "interrupted";
   }
   return "unknown";
 }
@@ -119,7 +137,7 @@ std::string summaryJson(const Summary& s) {
   limits["curvature_max"] = shown(s.limits.curvatureMax);
   limits["bending"] = {shown(s.limits.bendingMin), shown(s.limits.bendingMax)};
 
-  const Json summary = {
+  Json summary = {
       {"format", "forewalk.summary/1"},
       {"controller", s.controller},
       {"limits", limits},
@@ -153,6 +171,22 @@ std::string summaryJson(const Summary& s) {
       {"frame_us", times(s.frameMicroseconds)},
       {"trace_hash", fmt::format("{:016x}", s.traceHash)},
   };
+  if (s.company) {
+    const CompanySummary& c = *s.company;
+    summary["agents"] = {
+        {"count", c.others},
+        {"user_avoids", c.userAvoids},
+        {"collisions", c.collisions},
+        {"collision_duration", c.collisionSeconds},
+        {"collisions_among_agents", c.othersCollisions},
+        {"minimum_separation",
+         std::isfinite(c.minimumSeparation) ? Json(c.minimumSeparation) : Json()},
+        {"blocked_duration", c.blockedSeconds},
+        {"blocked_polygons_most", c.blockedPolygons},
+        {"state_changes", c.stateChanges},
+        {"hash", fmt::format("{:016x}", c.hash)},
+    };
+  }
   return summary.dump(2) + "\n";
 }
 

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "rdw/company.h"
 #include "rdw/gains.h"
 #include "rdw/session.h"
 
@@ -29,13 +31,16 @@ struct FrameRecord {
   double steerMicroseconds = 0.0;    ///< 0 without a clock
   double borderDistance =
       0.0;  ///< to the nearest border of the tracked space, negative outside, metres
-  double frameMicroseconds = 0.0;  ///< locate, predict, steer and apply; 0 without a clock
+  double frameMicroseconds = 0.0;        ///< locate, predict, steer and apply; 0 without a clock
+  std::optional<CompanyRecord> company;  ///< none: nobody else is there
 };
 
 /// The trace's columns, in order: those of DESIGN.md section 5, then border_distance and frame_us.
 std::string_view traceHeader();
 
-/// The CSV: header, a row per frame, x and z in world axes, every line ended by LF. O(frames).
+/// The CSV: header, a row per frame, x and z in world axes, every line ended by LF. Walks in
+/// company have more columns: agent_clearance (empty where nobody is there), agent_collisions and
+/// blocked_polygons. O(frames).
 std::string traceCsv(std::span<const FrameRecord> frames);
 
 /// A hash of all rows that is fed row by row: equal walks, equal hash, on one build and across
@@ -51,13 +56,14 @@ class TraceHash {
 
 /// Why a walk ended.
 enum class WalkEnd : std::uint8_t {
-  kMetres,    ///< walked as far as asked
-  kSeconds,   ///< as long as asked
-  kFinished,  ///< the last waypoint or the end of the recording
-  kStuck,     ///< wanted to walk, but came no further for 50 s
+  kMetres,       ///< walked as far as asked
+  kSeconds,      ///< as long as asked
+  kFinished,     ///< the last waypoint or the end of the recording
+  kStuck,        ///< wanted to walk, but came no further for 50 s
+  kInterrupted,  ///< by the caller (SimulationRun::interrupted)
 };
 
-/// A word for each: "metres", "seconds", "finished", "stuck".
+/// A word for each: "metres", "seconds", "finished", "stuck", "interrupted".
 std::string_view nameOf(WalkEnd end);
 
 /// Median, 99th percentile and worst of a set of times, microseconds. Nearest rank.
@@ -105,6 +111,7 @@ struct Summary {
   Quantiles graphMicroseconds;  ///< over frames with a graph
   Quantiles frameMicroseconds;  ///< locate, predict, steer and apply, over all frames
   std::uint64_t traceHash = 0;
+  std::optional<CompanySummary> company;  ///< none: nobody else was there
 
   double resetsPer100Metres() const;  ///< virtual metres; 0 where nobody walked
   double metresBetweenResets()

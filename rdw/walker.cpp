@@ -23,6 +23,8 @@ using navmesh::uniform;
 using navmesh::World;
 
 constexpr double kArrived = 0.01;   // metres; nearer than this a waypoint is reached
+constexpr double kPassed = 0.25;    // the same for whoever makes way for others
+constexpr double kWaiting = 0.05;   // m/s; whoever makes way and is left no more stands
 constexpr double kStrayed = 0.3;    // metres beside the planned way at which it is planned anew
 constexpr double kOverturn = 1e-4;  // radians turned beyond the end of a reset, so that
                                     // rounding cannot leave a remainder nobody turns
@@ -91,6 +93,9 @@ class Router {
   }
 
   const World* world() const { return world_.get(); }
+  void setStates(std::shared_ptr<const navmesh::PolygonStates> states) {
+    states_ = std::move(states);
+  }
 
   /// Replaces `path` with the points to walk to, `from` left out, `to` the last.
   void route(const Location& from, const Location& to, std::vector<glm::dvec2>& path) {
@@ -104,7 +109,12 @@ class Router {
 
  private:
   bool findWay(const Location& from, const Location& to) {
-    if (!navmesh::findCorridor(world_->graph, from, to, scratch_, corridor_)) return false;
+    // Where all ways are blocked they lead through what blocks them, and one waits there.
+    if (!(states_ != nullptr &&
+          navmesh::findCorridor(world_->graph, from, to, scratch_, corridor_, states_.get())) &&
+        !navmesh::findCorridor(world_->graph, from, to, scratch_, corridor_)) {
+      return false;
+    }
     portals_.clear();
     for (const std::uint32_t half : corridor_) {
       portals_.push_back(narrowed(world_->graph.portals[half]));
@@ -151,6 +161,7 @@ class Router {
   }
 
   std::shared_ptr<const World> world_;
+  std::shared_ptr<const navmesh::PolygonStates> states_;  // null: all is open
   double cornerMargin_;
   std::vector<glm::vec2> wallCorners_;  // sorted
   navmesh::CorridorScratch scratch_;
@@ -314,6 +325,16 @@ class PathWalker final : public Walker {
     start_ = {start.position(), static_cast<float>(heading.value_or(headingOf(toFirst)))};
   }
 
+  void avoidBlocked(std::shared_ptr<const navmesh::PolygonStates> states) override {
+    router_.setStates(std::move(states));
+    planAnew_ = true;
+  }
+
+  std::optional<glm::dvec2> target() const override {
+    if (finished_ || pauseLeft_ > 0.0) return std::nullopt;
+    return path_[next_];
+  }
+
   void advance(double dt, const FrameResult& frame, const Redirection& redirection) override {
     standing_ = false;
     if (frame.reset.turning) {
@@ -336,7 +357,8 @@ class PathWalker final : public Walker {
       arrive();
       if (finished_) return;
     }
-    if (distanceToSegment(seen.position, segmentFrom_, path_[next_]) > kStrayed) {
+    if (planAnew_ || distanceToSegment(seen.position, segmentFrom_, path_[next_]) > kStrayed) {
+      planAnew_ = false;
       replan(seen, frame);
     }
 
@@ -349,11 +371,21 @@ class PathWalker final : public Walker {
         standing_ = true;
         continue;
       }
-      const glm::dvec2 way = path_[next_] - seen.position;
-      if (glm::length(way) < kArrived) {
+      glm::dvec2 way = path_[next_] - seen.position;
+      if (glm::length(way) < (makingWay_ ? kPassed : kArrived)) {
         arrive();
         if (finished_) return;
         continue;
+      }
+      double most = settings_.speed;
+      if (makingWay_) {
+        const double velocity = glm::length(*makingWay_);
+        if (velocity < kWaiting) {
+          speed_ = 0.0;
+          return;
+        }
+        most = std::min(most, velocity / translation);
+        way = *makingWay_ * (glm::length(way) / velocity);
       }
       const double error = angleBetween(directionOf(seen.heading), way);
       if (std::abs(error) > settings_.stopAngle) walking_ = false;
@@ -368,7 +400,8 @@ class PathWalker final : public Walker {
         walking_ = turned == needed;
         continue;
       }
-      const double settingOff = std::min(left, (settings_.speed - speed_) / settings_.acceleration);
+      speed_ = std::min(speed_, most);
+      const double settingOff = std::min(left, (most - speed_) / settings_.acceleration);
       const double reached = speed_ + settings_.acceleration * settingOff;
       const double mean =
           (0.5 * (speed_ + reached) * settingOff + reached * (left - settingOff)) / left;
@@ -377,7 +410,7 @@ class PathWalker final : public Walker {
       step(moved);
       seen.position += translation * redirection.directionToVirtual(moved);
       const double walkedFor = distance / mean;
-      speed_ = std::min(settings_.speed, speed_ + settings_.acceleration * walkedFor);
+      speed_ = std::min(most, speed_ + settings_.acceleration * walkedFor);
       left -= walkedFor;
     }
   }
@@ -456,6 +489,7 @@ class PathWalker final : public Walker {
   glm::dvec2 segmentFrom_;        // where the straight way to that point began
   std::mt19937_64 rng_;           // of pauses
   double pauseLeft_ = 0.0;        // seconds
+  bool planAnew_ = false;         // the world has changed
   bool walking_ = false;          // false: turning on the spot
   bool resetting_ = false;
   double reactionLeft_ = 0.0;  // seconds

@@ -92,6 +92,17 @@ class Walker {
   /// Moves the body by one frame of `dt` seconds, having seen `frame` under the map `redirection`.
   virtual void advance(double dt, const FrameResult& frame, const Redirection& redirection) = 0;
 
+  /// How the next frames are to be walked so as to make way for others, virtual m/s on the plan;
+  /// none: as planned. Recordings are walked as they were.
+  void makeWay(std::optional<glm::dvec2> velocity) { makingWay_ = velocity; }
+
+  /// Goes, from now on, around what is closed or costs more in these states of the world, where
+  /// there is a way around. Null: all is open. Recordings are walked as they were.
+  virtual void avoidBlocked(std::shared_ptr<const navmesh::PolygonStates> states) { (void)states; }
+
+  /// The point walked straight to now, virtual plan; none where there is no plan of points.
+  virtual std::optional<glm::dvec2> target() const { return std::nullopt; }
+
   const PlanarPose& body() const { return body_; }      ///< physical; heading is that of travel
   const VirtualStart& start() const { return start_; }  ///< where the session is to begin
   HeadPose head() const;                       ///< physical, tracked: what the session is given
@@ -113,6 +124,7 @@ class Walker {
   VirtualStart start_;
   bool finished_ = false;
   bool standing_ = false;
+  std::optional<glm::dvec2> makingWay_;
 
  private:
   double walked_ = 0.0;   // metres, physical; the phase of bob and sway

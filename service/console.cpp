@@ -28,14 +28,15 @@ ProgressBar::~ProgressBar() {
   }
 }
 
-void ProgressBar::update(std::size_t done, std::size_t total) {
+void ProgressBar::update(std::size_t done, std::size_t total, std::string_view words) {
   if (!visible_ || total == 0) return;
   constexpr std::size_t kWidth = 30;
   const std::size_t full = kWidth * std::min(done, total) / total;
-  std::string bar =
-      fmt::format("{} [{:#<{}}{:.<{}}] {}/{}", label_, "", full, "", kWidth - full, done, total);
+  std::string bar = fmt::format("{} [{:#<{}}{:.<{}}] {}/{}{}{}", label_, "", full, "",
+                                kWidth - full, done, total, words.empty() ? "" : ", ", words);
   if (bar == drawn_) return;
-  std::fprintf(stderr, "\r%s", bar.c_str());
+  const int shrunk = static_cast<int>(drawn_.size()) - static_cast<int>(bar.size());
+  std::fprintf(stderr, "\r%s%*s", bar.c_str(), std::max(0, shrunk), "");
   std::fflush(stderr);
   drawn_ = std::move(bar);
 }

@@ -19,8 +19,8 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `done` of `total` pieces. Draws only when the bar changes.
-  void update(std::size_t done, std::size_t total);
+  /// `done` of `total` pieces, and a few words after them. Draws only when the bar changes.
+  void update(std::size_t done, std::size_t total, std::string_view words = "");
 
  private:
   std::string label_;

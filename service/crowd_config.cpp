@@ -244,7 +244,7 @@ void readGoal(Fields& group, CrowdGroup& into) {
 
 void readGroup(Fields& file, const Json& object, std::size_t number, const std::string& model,
                std::span<const std::string_view> models, CrowdConfig& config) {
-  Fields fields(object, fmt::format("groups[{}].", number), file.problem());
+  Fields fields(object, fmt::format("{}groups[{}].", file.path(), number), file.problem());
   CrowdGroup group;
   group.name = fmt::format("group {}", number);
   fields.text("name", group.name);
@@ -265,17 +265,17 @@ void readGroup(Fields& file, const Json& object, std::size_t number, const std::
   if (group.goal.kind == CrowdGoal::Kind::follow) {
     const auto leads = [&](const CrowdGroup& other) { return other.name == group.goal.follow; };
     if (std::none_of(config.groups.begin(), config.groups.end(), leads)) {
-      refuse(file.problem(), fmt::format("groups[{}].goal.follow is {}, which is no group before "
-                                         "this one.",
-                                         number, inQuotes(group.goal.follow)));
+      refuse(file.problem(), fmt::format("{}groups[{}].goal.follow is {}, which is no group "
+                                         "before this one.",
+                                         file.path(), number, inQuotes(group.goal.follow)));
     }
   }
   const bool anywhere = group.start.kind == CrowdStart::Kind::anywhere ||
                         group.goal.kind == CrowdGoal::Kind::anywhere;
   if (anywhere && config.scene.empty()) {
-    refuse(file.problem(), fmt::format("groups[{}] is put \"anywhere\", which needs a scene; give "
-                                       "an area.",
-                                       number));
+    refuse(file.problem(), fmt::format("{}groups[{}] is put \"anywhere\", which needs a scene; "
+                                       "give an area.",
+                                       file.path(), number));
   }
   config.groups.push_back(std::move(group));
 }
@@ -289,11 +289,11 @@ Makers readModels(Fields& file) {
   }
   const Json* object = file.find("models");
   if (object == nullptr) return makers;
-  Fields fields(*object, "models.", file.problem());
+  Fields fields(*object, file.path() + "models.", file.problem());
   for (const RegisteredModel& model : registeredModels()) {
     const Json* parameters = fields.find(model.name);
     if (parameters == nullptr) continue;
-    Fields of(*parameters, fmt::format("models.{}.", model.name), file.problem());
+    Fields of(*parameters, fmt::format("{}models.{}.", file.path(), model.name), file.problem());
     makers[std::string(model.name)] = model.read(&of);
     of.finish();
   }
@@ -302,6 +302,33 @@ Makers readModels(Fields& file) {
 }
 
 }  // namespace
+
+void readGroups(Fields& fields, const std::string& scene, CrowdConfig& config) {
+  Problem& problem = fields.problem();
+  config.scene = scene;
+  std::vector<std::string_view> models;
+  for (const RegisteredModel& model : registeredModels()) models.push_back(model.name);
+  std::size_t model = 0;
+  fields.word("model", models, model);
+  config.makeModel = [makers = readModels(fields)](const std::string& wanted) {
+    return makers.at(wanted)();
+  };
+  const Json* groups = fields.find("groups");
+  if (groups == nullptr || !groups->is_array() || groups->empty()) {
+    fields.wrongKind("groups", "a list of at least one group {...}");
+  } else {
+    std::uint64_t agents = 0;
+    for (std::size_t i = 0; i < groups->size() && !problem.error(); ++i) {
+      readGroup(fields, (*groups)[i], i, std::string(models[model]), models, config);
+      agents += config.groups.back().count;
+    }
+    if (agents > kMostAgents) {
+      problem.say(ErrorCode::kTooLarge,
+                  fmt::format("{}groups have {} agents together; at most {} can be run.",
+                              fields.path(), agents, kMostAgents));
+    }
+  }
+}
 
 tl::expected<CrowdConfig, Error> parseCrowd(std::span<const std::byte> bytes,
                                             const std::string& name) {
@@ -320,29 +347,8 @@ tl::expected<CrowdConfig, Error> parseCrowd(std::span<const std::byte> bytes,
   fields.integer("seed", 0, ~std::uint64_t{0}, config.seed);
   fields.boolean("projection", config.projection);
 
-  std::vector<std::string_view> models;
-  for (const RegisteredModel& model : registeredModels()) models.push_back(model.name);
-  std::size_t model = 0;
-  fields.word("model", models, model);
-  config.makeModel = [makers = readModels(fields)](const std::string& wanted) {
-    return makers.at(wanted)();
-  };
   readGround(fields, config);
-  const Json* groups = fields.find("groups");
-  if (groups == nullptr || !groups->is_array() || groups->empty()) {
-    fields.wrongKind("groups", "a list of at least one group {...}");
-  } else {
-    std::uint64_t agents = 0;
-    for (std::size_t i = 0; i < groups->size() && !problem.error(); ++i) {
-      readGroup(fields, (*groups)[i], i, std::string(models[model]), models, config);
-      agents += config.groups.back().count;
-    }
-    if (agents > kMostAgents) {
-      problem.say(ErrorCode::kTooLarge,
-                  fmt::format("groups have {} agents together; at most {} can be run.", agents,
-                              kMostAgents));
-    }
-  }
+  readGroups(fields, config.scene, config);
   if (const Json* measure = fields.find("measure")) {
     Fields inside(*measure, "measure.", problem);
     config.measure.emplace();

@@ -57,6 +57,10 @@
 #include "navmesh/build/settings.h"
 #include "navmesh/error.h"
 
+namespace forewalk::rdw {
+class Fields;
+}
+
 namespace forewalk::service {
 
 /// A rectangle on the plan, metres; low <= high.
@@ -121,6 +125,10 @@ struct CrowdConfig {
   /// Makes a model of the registry with the file's parameters.
   std::function<std::unique_ptr<const agents::Model>(const std::string& name)> makeModel;
 };
+
+/// Reads `model`, `models` and `groups` of an object that holds them, for a scene of this name
+/// (empty: an open plane); what is wrong is told to the fields' problem.
+void readGroups(rdw::Fields& fields, const std::string& scene, CrowdConfig& config);
 
 /// Parses the bytes of such a file; `name` stands for it in messages. Nothing here touches the
 /// disk.

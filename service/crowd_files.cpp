@@ -84,11 +84,9 @@ prediction::PlanBounds boundsOf(const CrowdRecording& recording) {
   return bounds;
 }
 
-/// Any text to the same number on every machine (FNV-1a), within SQLite's signed 64 bits.
+/// Within SQLite's signed 64 bits.
 std::int64_t hashOf(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return static_cast<std::int64_t>(hash >> 1);
+  return static_cast<std::int64_t>(contentHash(text) >> 1);
 }
 
 struct CloseDatabase {

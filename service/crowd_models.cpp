@@ -6,6 +6,7 @@
 #include "agents/models/hrvo.h"
 #include "agents/models/orca.h"
 #include "agents/models/social_forces.h"
+#include "service/clip_file.h"
 
 namespace forewalk::service {
 namespace {
@@ -80,6 +81,7 @@ ModelMaker readCaacd(Fields* fields) {
 ModelMaker readGolaem(Fields* fields) {
   agents::GolaemParameters p;
   if (fields != nullptr) {
+    p.clips = readClips(*fields);
     fields->integer("neighbour_count", 0, 1000, p.neighbourCount);
     fields->integer("linear_samples", 1, agents::kMostSamples, p.linearSamples);
     fields->integer("angular_samples", 1, agents::kMostSamples, p.angularSamples);

@@ -94,6 +94,12 @@ tl::expected<void, Error> writeFile(const std::filesystem::path& file,
   return writeBytes(file, bytes.data(), bytes.size());
 }
 
+std::uint64_t contentHash(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return hash;
+}
+
 tl::expected<void, Error> checkWritable(const std::filesystem::path& file) {
   if (file.empty() || file == "-") return {};
   if (auto made = makeFolders(file); !made) return made;

@@ -26,6 +26,10 @@ namespace forewalk::service {
 [[nodiscard]] tl::expected<void, Error> writeFile(const std::filesystem::path& file,
                                                   const std::vector<std::byte>& bytes);
 
+/// Any bytes to the same number on every machine (FNV-1a): tells files apart that changed, not
+/// forgeries.
+std::uint64_t contentHash(std::string_view bytes);
+
 /// Finds out before long work whether writeFile(file) can be expected to work: makes the folders,
 /// and opens the file without changing it. "-" and "" (nothing to write) are fine. Fails as
 /// writeFile.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <string_view>
 
 #include "prediction/plan_drawing.h"
@@ -70,10 +71,16 @@ void drawFrame(SvgDrawing& drawing, const Axes& axes, const std::string& title,
 template <typename Sign>
 void drawLegend(SvgDrawing& drawing, const std::vector<std::string>& names, Sign&& sign) {
   double x = kLeft;
+  double y = 82;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    sign(i, glm::dvec2(x, 82));
-    drawing.text({x + 32, 86}, names[i], 12.5, Anchor::kStart);
-    x += 32 + prediction::textWidth(names[i]) * 12.5 + 22;
+    const double width = 32 + prediction::textWidth(names[i]) * 12.5;
+    if (x > kLeft && x + width > kWidth - kRight) {  // a second line, as small as it has to be
+      x = kLeft;
+      y += 16;
+    }
+    sign(i, glm::dvec2(x, y));
+    drawing.text({x + 32, y + 4}, names[i], 12.5, Anchor::kStart);
+    x += width + 22;
   }
 }
 
@@ -84,6 +91,10 @@ std::string toSvg(const LinePlot& plot) {
   for (const PlotSeries& series : plot.series) {
     for (const glm::dvec2 point : series.points) {
       if (std::isfinite(point.x) && std::isfinite(point.y)) largest = glm::max(largest, point);
+    }
+    for (std::size_t i = 0; i < std::min(series.reach.size(), series.points.size()); ++i) {
+      const double top = series.points[i].y + series.reach[i];
+      if (std::isfinite(top)) largest.y = std::max(largest.y, top);
     }
   }
   const Axes axes = axesFor(largest.x, largest.y);
@@ -113,6 +124,13 @@ std::string toSvg(const LinePlot& plot) {
       if (std::isfinite(point.x) && std::isfinite(point.y)) points.push_back(axes.at(point));
     }
     drawing.polyline(points, false, strokeOf(series));
+    for (std::size_t i = 0; i < std::min(series.reach.size(), series.points.size()); ++i) {
+      const glm::dvec2 point = series.points[i];
+      const double reach = series.reach[i];
+      if (!std::isfinite(point.x + point.y + reach)) continue;
+      drawing.line(axes.at({point.x, std::max(0.0, point.y - reach)}),
+                   axes.at({point.x, point.y + reach}), strokeOf(series));
+    }
     if (series.marked) {
       for (const glm::dvec2 point : points) drawing.circle(point, 4, dotOf(series));
     }
@@ -165,6 +183,88 @@ std::string toSvg(const BarPlot& plot) {
     drawing.rectangle(at + glm::dvec2(8, -6), {14, 12}, styleOf(i));
   });
   return drawing.finish();
+}
+
+std::string toSvg(const BoxPlot& plot) {
+  double largest = 0;
+  std::size_t boxes = 1;
+  for (const BoxGroup& group : plot.groups) {
+    boxes = std::max(boxes, group.samples.size());
+    for (const auto& sample : group.samples) {
+      for (const double value : sample) {
+        if (std::isfinite(value)) largest = std::max(largest, value);
+      }
+    }
+  }
+  const Axes axes = axesFor(1.0, largest);
+  SvgDrawing drawing(kWidth, pageHeight(plot.notes.size()) - 16, "#fdfcfa");
+  drawFrame(drawing, axes, plot.title, plot.subtitle, plot.yName, plot.notes);
+  const double groupWidth =
+      (kWidth - kLeft - kRight) / std::max<double>(1.0, static_cast<double>(plot.groups.size()));
+  const double slot = std::min(60.0, 0.86 * groupWidth / static_cast<double>(boxes));
+  const double half = std::min(16.0, 0.36 * slot);
+  const double bottom = axes.at({0, 0}).y;
+  const auto colourOf = [&](std::size_t box) {
+    return box < plot.colours.size() ? prediction::escapeXml(plot.colours[box])
+                                     : std::string("#5a6675");
+  };
+  const auto drawBox = [&](double x, std::size_t box, std::vector<double> values) {
+    values.erase(std::remove_if(values.begin(), values.end(),
+                                [](double value) { return !std::isfinite(value); }),
+                 values.end());
+    if (values.empty()) return;
+    std::sort(values.begin(), values.end());
+    const auto quartile = [&](double share) {
+      const double place = share * static_cast<double>(values.size() - 1);
+      const auto below = static_cast<std::size_t>(place);
+      const std::size_t above = std::min(below + 1, values.size() - 1);
+      return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+    };
+    const double low = quartile(0.25), high = quartile(0.75), reach = 1.5 * (high - low);
+    const double first = *std::lower_bound(values.begin(), values.end(), low - reach);
+    const double last = *(std::upper_bound(values.begin(), values.end(), high + reach) - 1);
+    double sum = 0.0;
+    for (const double value : values) sum += value;
+    const std::string stroke = fmt::format("stroke=\"{}\" stroke-width=\"1.6\"", colourOf(box));
+    const auto y = [&](double value) { return axes.at({0, value}).y; };
+    drawing.line({x, y(first)}, {x, y(last)}, stroke);
+    drawing.rectangle({x - half, y(high)}, {2 * half, std::max(1.0, y(low) - y(high))},
+                      fmt::format("fill=\"#ffffff\" {}", stroke));
+    drawing.rectangle({x - half, y(high)}, {2 * half, std::max(1.0, y(low) - y(high))},
+                      fmt::format("fill=\"{}\" fill-opacity=\"0.28\" {}", colourOf(box), stroke));
+    drawing.line({x - half, y(quartile(0.5))}, {x + half, y(quartile(0.5))},
+                 fmt::format("stroke=\"{}\" stroke-width=\"3\"", colourOf(box)));
+    for (const double value : values) {
+      if (value < first || value > last) {
+        drawing.circle({x, y(value)}, 2.2, fmt::format("fill=\"none\" {}", stroke));
+      }
+    }
+    const glm::dvec2 mean(x, y(sum / static_cast<double>(values.size())));
+    const glm::dvec2 diamond[] = {mean + glm::dvec2(0, -4), mean + glm::dvec2(4, 0),
+                                  mean + glm::dvec2(0, 4), mean + glm::dvec2(-4, 0)};
+    drawing.polyline(diamond, true, "fill=\"#ffffff\" stroke=\"#1d2733\" stroke-width=\"1.2\"");
+  };
+  for (std::size_t g = 0; g < plot.groups.size(); ++g) {
+    const BoxGroup& group = plot.groups[g];
+    const double middle = kLeft + (static_cast<double>(g) + 0.5) * groupWidth;
+    const double left = middle - 0.5 * slot * static_cast<double>(group.samples.size());
+    for (std::size_t box = 0; box < group.samples.size(); ++box) {
+      drawBox(left + (static_cast<double>(box) + 0.5) * slot, box, group.samples[box]);
+    }
+    drawing.text({middle, bottom + 20}, group.name, 13, Anchor::kMiddle);
+  }
+  drawLegend(drawing, plot.boxNames, [&](std::size_t i, glm::dvec2 at) {
+    drawing.rectangle(
+        at + glm::dvec2(8, -6), {14, 12},
+        fmt::format("fill=\"{0}\" fill-opacity=\"0.28\" stroke=\"{0}\"", colourOf(i)));
+  });
+  return drawing.finish();
+}
+
+std::string_view seriesColour(std::size_t i) {
+  constexpr std::string_view kColours[] = {"#5a6675", "#2f5fb3", "#d9742b", "#1f9c74",
+                                           "#b0478f", "#b8960c", "#4aa8d8", "#c23b3b"};
+  return kColours[i % std::size(kColours)];
 }
 
 }  // namespace forewalk::service

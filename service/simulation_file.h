@@ -2,20 +2,76 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
 #include <tl/expected.hpp>
+#include <utility>
+#include <vector>
 
 #include "navmesh/build/build.h"
 #include "navmesh/error.h"
 #include "navmesh/world.h"
 #include "rdw/simulation.h"
+#include "rdw/simulation_config.h"
+#include "rdw/tracked_space.h"
+#include "rdw/walk_file.h"
+#include "service/company_config.h"
 
 namespace forewalk::service {
 
 struct LoadedSimulation {
   std::shared_ptr<const navmesh::World> world;  ///< null: an open plane
   rdw::SimulationConfig config;
+  std::optional<CompanyConfig> company;  ///< who else is in the building
+  float walkerRadius = 0.0f;             ///< of who the navmesh was built for, metres
 };
+
+/// Reads what simulations name, each scene, room and recording once. Any number of threads may use
+/// one loader; who comes while another loads waits.
+class SimulationLoader {
+ public:
+  /// Scenes are built with `run`.
+  explicit SimulationLoader(navmesh::BuildRun run = {}) : run_(std::move(run)) {}
+
+  /// What the files that `file` names make of it; they lie in `folder` unless their paths are
+  /// absolute. `name` stands for the file itself in messages. Fails as loadSimulation.
+  [[nodiscard]] tl::expected<LoadedSimulation, Error> load(const rdw::SimulationFile& file,
+                                                           const std::filesystem::path& folder,
+                                                           const std::string& name);
+
+  /// All files read so far, sorted.
+  std::vector<std::filesystem::path> files() const;
+
+ private:
+  struct BuiltScene {
+    std::filesystem::path file;
+    navmesh::ImportSettings import;
+    navmesh::BuildSettings build;
+    std::shared_ptr<const navmesh::World> world;
+    float walkerRadius;  // metres
+  };
+
+  tl::expected<BuiltScene, Error> sceneOf(const rdw::SimulationFile& file,
+                                          const std::filesystem::path& folder);
+  tl::expected<rdw::TrackedSpace, Error> spaceOf(const std::filesystem::path& file);
+  tl::expected<rdw::Walk, Error> walkOf(const std::filesystem::path& file,
+                                        const std::string& walker);
+
+  navmesh::BuildRun run_;
+  mutable std::mutex mutex_;
+  std::vector<BuiltScene> scenes_;
+  std::map<std::filesystem::path, rdw::TrackedSpace> spaces_;
+  std::map<std::filesystem::path, std::vector<rdw::Walk>> walks_;
+};
+
+/// Walks, in the company that the file asks for; `forEach`: who runs slices of a crowd's step, with
+/// the same result whoever does. Fails as rdw::simulate does.
+[[nodiscard]] tl::expected<rdw::SimulationResult, Error> simulate(
+    const LoadedSimulation& loaded, rdw::SimulationRun run = {},
+    const navmesh::ForEach& forEach = {});
 
 /// Reads a `forewalk.simulation/1` file (rdw/simulation_config.h) and the files it names, which lie
 /// beside it unless their paths are absolute; builds the scene with `run`.

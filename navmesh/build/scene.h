@@ -30,6 +30,8 @@ enum class SceneFormat { kObj, kOff, kPly, kStl, kGltf, kGlb };
 struct ImportSettings {
   float metresPerUnit = 1.0f;  ///< > 0; what one unit of the file is
   UpAxis up = UpAxis::kY;      ///< kZ: the file's (x, y, z) becomes (x, z, -y)
+
+  bool operator==(const ImportSettings&) const = default;
 };
 
 /// Reads a scene; the format follows from the file's ending (.obj .off .ply .stl .gltf .glb, any

@@ -482,9 +482,9 @@ FOREWALK_API forewalk_status forewalk_graph(forewalk_session* session, forewalk_
 
 /* The three calls below come between frames, on the session's thread, and allocate. */
 
-/* A way that is not floor: a lift, a ladder, a teleport. Graphs by _METHOD_POLYGON lead through it:
- * to the entry, `length` metres, and on from the exit. In an edge's path its two ends follow each
- * other. Graphs by _METHOD_FRONT do not yet. */
+/* A way that is not floor: a lift, a ladder, a teleport. Graphs lead through it: to the entry,
+ * `length` metres, and on from the exit. In an edge's path its two ends follow each other. With
+ * FOREWALK_METHOD_FRONT it branches off at its entry, and one longer than walking is not taken. */
 typedef struct forewalk_link {
   uint32_t id;               /* one of its own */
   forewalk_vec3 entry, exit; /* within 0.5 m of the floor, in the session's axes */

@@ -17,7 +17,8 @@ namespace {
 constexpr int kDone = 0, kRefused = 1, kWrongUsage = 2;
 
 constexpr const char* kVerbs =
-    "build, predict, sweep, simulate, fit, evaluate, animate, paths, trajectories, crowd or demo";
+    "build, predict, sweep, simulate, fit, evaluate, animate, paths, trajectories, crowd, network, "
+    "serve, replay, load, experiment, merge, report or demo";
 
 // The verb that was given, or the program where none was.
 const CLI::App& partOf(const CLI::App& program) {
@@ -87,7 +88,9 @@ int run(int argc, char** argv) {
   const Verb verbs[] = {addBuild(program),    addPredict(program), addSweep(program),
                         addSimulate(program), addFit(program),     addEvaluate(program),
                         addAnimate(program),  addPaths(program),   addTrajectories(program),
-                        addCrowd(program),    addDemo(program)};
+                        addCrowd(program),    addNetwork(program), addServe(program),
+                        addReplay(program),   addLoad(program),    addExperiment(program),
+                        addMerge(program),    addReport(program),  addDemo(program)};
   try {
     program.parse(argc, argv);
     for (const Verb& verb : verbs) {

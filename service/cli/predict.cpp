@@ -73,10 +73,6 @@ tl::expected<void, Error> run(const PredictOptions& options) {
                                fmt::format("is for plans, not for {}; add --format svg", format));
   }
   const bool byFronts = options.method == prediction::Method::kFront;
-  if (byFronts && !options.links.empty()) {
-    throw CLI::ValidationError(
-        "--links", "graphs by fronts do not lead through links yet; give --method polygon");
-  }
   if (auto writable = service::checkWritable(options.out); !writable) return writable;
   auto world = loadWorld(options.scene);
   if (!world) return tl::unexpected(std::move(world.error()));

@@ -34,6 +34,16 @@ tl::expected<service::LoadedSimulation, Error> load(const SimulateOptions& optio
   return service::loadSimulation(options.config, run);
 }
 
+/// A crowd of hundreds is worth threads; a few are stepped sooner than threads are woken.
+navmesh::ForEach forEachOf(const service::LoadedSimulation& loaded) {
+  constexpr std::uint64_t kWorthThreads = 500;
+  std::uint64_t agents = 0;
+  if (loaded.company) {
+    for (const service::CrowdGroup& group : loaded.company->crowd.groups) agents += group.count;
+  }
+  return agents < kWorthThreads ? navmesh::ForEach{} : service::onThreads(0);
+}
+
 tl::expected<void, Error> run(const SimulateOptions& options) {
   refuseBothToStdout("--trace", options.trace, "--summary", options.summary);
   for (const std::filesystem::path& file : {options.trace, options.summary}) {
@@ -49,7 +59,7 @@ tl::expected<void, Error> run(const SimulateOptions& options) {
   simulation.progress = [&](double done) {
     bar->update(static_cast<std::size_t>(1000.0 * done), 1000);
   };
-  const auto result = rdw::simulate(loaded->world, loaded->config, simulation);
+  const auto result = service::simulate(*loaded, simulation, forEachOf(*loaded));
   bar.reset();
   if (!result) {
     // The simulation knows no file names.
@@ -71,6 +81,11 @@ tl::expected<void, Error> run(const SimulateOptions& options) {
   fmt::print("{}: {:.1f} m in {:.1f} s, {} resets ({:.2f} per 100 m), ended: {}\n",
              summary.controller, summary.virtualMetres, summary.seconds, summary.resets,
              summary.resetsPer100Metres(), rdw::nameOf(summary.end));
+  if (const auto& company = summary.company) {
+    fmt::print("among {} agents: {} collisions, nearest {:.2f} m, ways blocked for {:.1f} s\n",
+               company->others, company->collisions, company->minimumSeparation,
+               company->blockedSeconds);
+  }
   return {};
 }
 

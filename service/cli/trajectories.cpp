@@ -7,6 +7,7 @@
 #include <string>
 
 #include "service/cli/verb.h"
+#include "service/clip_file.h"
 #include "service/files.h"
 #include "service/trajectory_picture.h"
 
@@ -19,6 +20,7 @@ struct TrajectoriesOptions {
   std::uint32_t count = 30;
   std::uint64_t seed = 1;
   service::TrajectoryPictureSettings picture;
+  std::filesystem::path clips;
   std::filesystem::path out;
 };
 
@@ -34,6 +36,14 @@ tl::expected<void, Error> run(TrajectoriesOptions& options) {
   agents::GolaemParameters& parameters = options.picture.parameters;
   parameters.dual = options.form != "single";
   if (options.form == "full") parameters.secondLinear = parameters.secondAngular = 0;
+  if (!options.clips.empty()) {
+    const auto bytes = service::readFile(options.clips);
+    if (!bytes) return tl::unexpected(bytes.error());
+    auto clips = service::parseClips({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
+                                     options.clips.string());
+    if (!clips) return tl::unexpected(std::move(clips.error()));
+    parameters.clips = std::move(*clips);
+  }
   const agents::CrowdScene scene = sceneOf(options);
   options.picture.subtitle =
       fmt::format("{}, agent {} after {:g} s, {} command", scene.name, options.picture.agent,
@@ -68,6 +78,8 @@ Verb addTrajectories(CLI::App& program) {
                    "all for both")
       ->check(CLI::IsMember({"single", "dual", "full"}))
       ->capture_default_str();
+  verb->add_option("--clips", options->clips,
+                   "Motion clips, forewalk.clips/1 (service/clip_file.h); else those of a person");
   verb->add_option("--out", options->out, "SVG to write; - is stdout")->required()->check(fileName);
   verb->footer(
       "Example:\n"

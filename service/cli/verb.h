@@ -31,6 +31,13 @@ Verb addAnimate(CLI::App& program);
 Verb addPaths(CLI::App& program);
 Verb addTrajectories(CLI::App& program);
 Verb addCrowd(CLI::App& program);
+Verb addServe(CLI::App& program);
+Verb addReplay(CLI::App& program);
+Verb addLoad(CLI::App& program);
+Verb addNetwork(CLI::App& program);
+Verb addExperiment(CLI::App& program);
+Verb addMerge(CLI::App& program);
+Verb addReport(CLI::App& program);
 
 /// For Option::check: why `text` is no whole number from 0 on, or "". (CLI11 lets -1 pass as the
 /// largest 64-bit number.)

@@ -9,6 +9,7 @@
 #include "agents/scenes.h"
 #include "navmesh/build/live_mesh.h"
 #include "tests/support/block_scene.h"
+#include "tests/support/random_mesh.h"
 
 namespace forewalk::agents {
 namespace {
@@ -141,6 +142,173 @@ TEST(Navigation, ClimbsStairsAndKeepsStoreysApart) {
   EXPECT_NEAR(crowd.view().height[crowd.indexOf(above)], 3.0f, 0.3f);
   EXPECT_LT(steps, 600) << crowd.view().position[0].x << " " << crowd.view().position[0].y << " "
                         << crowd.view().height[0];
+}
+
+// Ground of 12 x 7 squares of a metre. Column 6 is a wall with two doors, squares (6, 1) and (6,
+// 5).
+struct Doors {
+  static constexpr int kColumns = 12, kRows = 7;
+
+  explicit Doors(int count, CrowdSettings settings = {}) {
+    settings.project = true;
+    settings.navigation.walkerRadius = 0.25f;
+    crowd = Crowd(settings);
+    world = std::make_shared<const navmesh::World>(
+        navmesh::makeWorld(*navmesh::makeNavGraph(forewalk::testing::gridMesh(kColumns, kRows))));
+    crowd.setWorld(world);
+    crowd.setStates(states(1.0f, 1.0f));
+    const ModelId model = crowd.addModel(makeOrca());
+    for (int k = 0; k < count; ++k) {
+      AgentSpec spec;
+      spec.model = model;
+      spec.position = origin() + glm::vec2(0.6f + 0.6f * float(k % 4), 0.6f + 0.6f * float(k / 4));
+      spec.goalRadius = 0.6f;
+      ids.push_back(*crowd.add(spec));
+      crowd.setGoal(ids.back(),
+                    origin() + glm::vec2(9.0f + 0.6f * float(k % 4), 0.6f + 0.6f * float(k / 4)));
+    }
+  }
+
+  glm::vec2 origin() const { return world->graph.centroid[0] - 0.5f; }
+  static navmesh::PolygonId at(int column, int row) {
+    return navmesh::PolygonId{static_cast<std::uint32_t>(row * kColumns + column)};
+  }
+  /// The wall, and what the doors cost.
+  std::shared_ptr<const navmesh::PolygonStates> states(float nearCost, float farCost) const {
+    navmesh::PolygonStates made;
+    for (int row = 0; row < kRows; ++row) {
+      const navmesh::PolygonId one[] = {at(6, row)};
+      const float cost = row == 1 ? nearCost : row == 5 ? farCost : navmesh::kClosed;
+      EXPECT_TRUE(navmesh::setCost(world->graph, one, cost, made));
+    }
+    return std::make_shared<const navmesh::PolygonStates>(std::move(made));
+  }
+  bool isIn(AgentId id, int column, int row) const {
+    const glm::vec2 p = crowd.view().position[crowd.indexOf(id)] - origin();
+    return static_cast<int>(std::floor(p.x)) == column && static_cast<int>(std::floor(p.y)) == row;
+  }
+  /// Walks on until all have arrived. How many agent-ticks were spent in squares of the column that
+  /// are closed, and in each of the doors.
+  int walk(int steps, bool nearShut, bool farShut) {
+    int taken = 0;
+    while (taken < steps && arrived() < static_cast<int>(ids.size())) {
+      crowd.step(0.1f);
+      ++taken;
+      for (const AgentId id : ids) {
+        for (int row = 0; row < kRows; ++row) {
+          if (!isIn(id, 6, row)) continue;
+          near += row == 1;
+          far += row == 5;
+          inClosed += (row == 1 && nearShut) || (row == 5 && farShut) || (row != 1 && row != 5);
+        }
+      }
+    }
+    return taken;
+  }
+  int arrived() const {
+    int count = 0;
+    for (const AgentId id : ids) count += crowd.arrived(id);
+    return count;
+  }
+
+  std::shared_ptr<const navmesh::World> world;
+  Crowd crowd;
+  std::vector<AgentId> ids;
+  int near = 0, far = 0, inClosed = 0;
+};
+
+TEST(NavigationStates, LeadACrowdAroundWhatIsClosed) {
+  Doors doors(12);
+  doors.crowd.setStates(doors.states(navmesh::kClosed, 1.0f));
+  doors.walk(1200, true, false);
+  EXPECT_EQ(doors.arrived(), 12);
+  EXPECT_EQ(doors.inClosed, 0);
+  EXPECT_EQ(doors.near, 0);
+  EXPECT_GT(doors.far, 0);
+}
+
+TEST(NavigationStates, LeadAroundWhatCostsMoreThanTheDetour) {
+  for (const float cost : {1.2f, 50.0f}) {
+    Doors doors(1);
+    doors.crowd.setStates(doors.states(cost, 1.0f));
+    doors.walk(300, false, false);
+    EXPECT_EQ(doors.arrived(), 1) << cost;
+    EXPECT_EQ(doors.near > 0, cost < 2.0f) << cost;
+    EXPECT_EQ(doors.far > 0, cost > 2.0f) << cost;
+  }
+}
+
+TEST(NavigationStates, TurnACrowdBackWhenTheDoorShutsInFrontOfIt) {
+  Doors doors(12);
+  doors.walk(38, false, false);
+  ASSERT_GT(doors.near, 0);
+  ASSERT_LT(doors.arrived(), 12);
+  std::vector<AgentId> inside;  // of the door as it shuts: they may leave, and nobody else comes in
+  for (const AgentId id : doors.ids) {
+    if (doors.isIn(id, 6, 1)) inside.push_back(id);
+  }
+  doors.crowd.setStates(doors.states(navmesh::kClosed, 1.0f));
+  int entered = 0, steps = 0;
+  while (doors.arrived() < 12 && ++steps < 1200) {
+    doors.crowd.step(0.1f);
+    for (const AgentId id : doors.ids) {
+      const auto was = std::find(inside.begin(), inside.end(), id);
+      if (!doors.isIn(id, 6, 1)) {
+        if (was != inside.end()) inside.erase(was);
+      } else {
+        entered += was == inside.end();
+      }
+    }
+  }
+  EXPECT_EQ(doors.arrived(), 12) << "after " << steps;
+  EXPECT_EQ(entered, 0);
+  EXPECT_TRUE(inside.empty());
+}
+
+TEST(NavigationStates, AreFollowedWithinTheBudgetWhileEverybodyWalksOn) {
+  CrowdSettings settings;
+  settings.navigation.pathsPerTick = 3;
+  Doors doors(10, settings);
+  doors.walk(8, false, false);  // all have their path, and are on their way
+  ASSERT_EQ(doors.crowd.report().waitingForPath, 0u);
+  doors.crowd.setStates(doors.states(50.0f, 1.0f));
+  EXPECT_EQ(doors.crowd.step(0.1f).waitingForPath, 7u);
+  for (const float remaining : doors.crowd.view().remaining) EXPECT_GT(remaining, 1.0f);
+  for (const glm::vec2 wish : doors.crowd.view().preferredVelocity) {
+    EXPECT_GT(glm::length(wish), 1.0f);
+  }
+  EXPECT_EQ(doors.crowd.step(0.1f).waitingForPath, 4u);
+  doors.walk(1200, false, false);
+  EXPECT_EQ(doors.arrived(), 10);
+}
+
+TEST(NavigationStates, LeaveNoWayAndGiveItBack) {
+  Doors doors(4);
+  doors.crowd.setStates(doors.states(navmesh::kClosed, navmesh::kClosed));
+  doors.walk(60, true, true);
+  EXPECT_EQ(doors.crowd.report().withoutPath, 4u);
+  EXPECT_EQ(doors.near + doors.far + doors.inClosed, 0);
+  doors.crowd.setStates(doors.states(1.0f, navmesh::kClosed));
+  doors.walk(600, false, true);
+  EXPECT_EQ(doors.arrived(), 4);
+  EXPECT_EQ(doors.far + doors.inClosed, 0);
+}
+
+TEST(NavigationStates, AreTheSameOnAnyNumberOfThreadsAndInAnyOrderOfAsking) {
+  const auto run = [](const navmesh::ForEach& forEach) {
+    Doors doors(12);
+    for (int k = 0; k < 120; ++k) {
+      if (k == 30) doors.crowd.setStates(doors.states(navmesh::kClosed, 1.0f));
+      if (k == 60) doors.crowd.setStates(doors.states(1.0f, 2.0f));
+      doors.crowd.step(0.1f, forEach);
+    }
+    return doors.crowd.hash();
+  };
+  const navmesh::ForEach backwards = [](std::size_t pieces,
+                                        const std::function<void(std::size_t)>& work) {
+    for (std::size_t k = pieces; k-- > 0;) work(k);
+  };
+  EXPECT_EQ(run({}), run(backwards));
 }
 
 }  // namespace

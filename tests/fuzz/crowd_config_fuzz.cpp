@@ -1,21 +1,10 @@
 // The reader of crowd files on any bytes; what it accepts keeps the promises of its ranges.
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <string_view>
-
 #include "service/crowd_config.h"
 #include "tests/fuzz/fuzz.h"
 
-namespace {
-
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
-
-}  // namespace
+using forewalk::testing::require;
+using forewalk::testing::requireSentence;
+using forewalk::testing::seedsOf;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace forewalk::service;
@@ -38,21 +27,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require(forewalk::navmesh::validate(obstacle.shape).has_value(), "obstacles are valid");
     }
   } else {
-    const std::string& message = config.error().message;
-    require(message.rfind("fuzz", 0) == 0 && message.size() < 600,
-            "a message says where, and is short");
-    for (const char c : message) require(c >= ' ' && c <= '~', "a message is printable");
+    requireSentence(config.error().message, "fuzz");
   }
   return 0;
 }
 
 std::vector<std::vector<std::uint8_t>> seedCorpus() {
-  std::vector<std::vector<std::uint8_t>> seeds;
-  for (const std::string_view text :
-       {R"({"format": "forewalk.crowd/1", "seconds": 10, "tick_s": 0.1, "model": "orca",
+  return seedsOf(
+      {R"({"format": "forewalk.crowd/1", "seconds": 10, "tick_s": 0.1, "model": "orca",
             "groups": [{"count": 5, "start": {"ring": [0, 0], "radius_m": 8}, "goal": "opposite"}],
             "measure": {"area": [-2, -2, 2, 2]}})",
-        R"({"format": "forewalk.crowd/1", "models": {"caacd": {"mass": 2}, "hrvo": {}},
+       R"({"format": "forewalk.crowd/1", "models": {"caacd": {"mass": 2}, "hrvo": {}},
             "room": [[0, 0], [9, 0], [9, 9], [0, 9]], "walls": [[[1, 1], [2, 2], [3, 1]]],
             "obstacles": [{"circle": [5, 5], "radius_m": 1}, {"box": [7, 7], "size": [1, 2]},
               {"polygon": [[1, 7], [2, 7], [2, 8]], "velocity": [0.1, 0]}],
@@ -60,10 +45,7 @@ std::vector<std::vector<std::uint8_t>> seedCorpus() {
               "goal": {"visit": [[2, 5], [1, 5]], "loop": true}},
               {"model": "social-forces", "count": 2, "radius_m": [0.2, 0.3], "friends": true,
                "start": {"area": [0, 0, 4, 4]}, "goal": {"follow": "a", "distance_m": 2}}]})",
-        R"({"format": "forewalk.crowd/1", "scene": "museum.obj", "seed": 7, "projection": false,
+       R"({"format": "forewalk.crowd/1", "scene": "museum.obj", "seed": 7, "projection": false,
             "groups": [{"count": 9, "start": "anywhere", "goal": "anywhere", "depart_s": 3},
-              {"start": {"points": [[0, 0]]}, "goal": {"points": [[4, 4]]}, "height_m": 1}]})"}) {
-    seeds.emplace_back(text.begin(), text.end());
-  }
-  return seeds;
+              {"start": {"points": [[0, 0]]}, "goal": {"points": [[4, 4]]}, "height_m": 1}]})"});
 }

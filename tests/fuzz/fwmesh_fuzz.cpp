@@ -1,23 +1,16 @@
 // The .fwmesh reader on any bytes: as they come, and once more with size and checksum made to fit,
 // so that mutations reach what lies behind the checksum.
-#include <cstdio>
-#include <cstdlib>
 #include <string>
-#include <string_view>
 
 #include "navmesh/build/fwmesh.h"
 #include "navmesh/nav_graph.h"
 #include "tests/fuzz/fuzz.h"
 
+using forewalk::testing::require;
+using forewalk::testing::requireSentence;
 using namespace forewalk::navmesh;
 
 namespace {
-
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
 
 void setNumber(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
@@ -44,10 +37,7 @@ void reseal(std::vector<std::uint8_t>& bytes) {
 void load(const std::vector<std::uint8_t>& bytes) {
   const auto navMesh = loadFwmesh(std::as_bytes(std::span(bytes)), "fuzz");
   if (!navMesh) {
-    const std::string& message = navMesh.error().message;
-    require(message.starts_with("fuzz: ") && message.size() < 600,
-            "a message says where, and is short");
-    for (const char c : message) require(c >= ' ' && c <= '~', "a message is printable");
+    requireSentence(navMesh.error().message, "fuzz: ");
     return;
   }
   require(validate(*navMesh).has_value(), "what was loaded is valid");

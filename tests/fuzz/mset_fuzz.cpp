@@ -1,6 +1,4 @@
 // The MSET importer on any bytes, and the Detour tile reader on the same bytes as one tile.
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "navmesh/build/build.h"
@@ -10,21 +8,11 @@
 #include "tests/support/block_scene.h"
 #include "tests/support/mset.h"
 
+using forewalk::testing::require;
+using forewalk::testing::requireSentence;
 using namespace forewalk::navmesh;
 
 namespace {
-
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
-
-void requireSentence(const forewalk::Error& error) {
-  require(error.message.starts_with("fuzz: ") && error.message.size() < 600,
-          "a message says where, and is short");
-  for (const char c : error.message) require(c >= ' ' && c <= '~', "a message is printable");
-}
 
 std::vector<std::uint8_t> seedOf(const Scene& scene, float side) {
   BuildSettings settings;
@@ -45,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto bytes = std::as_bytes(std::span(input));
   const auto navMesh = importMset(bytes, "fuzz");
   if (!navMesh) {
-    requireSentence(navMesh.error());
+    requireSentence(navMesh.error().message, "fuzz: ");
   } else {
     require(makeNavGraph(flatten(*navMesh)).has_value(), "what was imported makes a navgraph");
   }
@@ -55,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size <= kFirstTile) return 0;
   const DetourTile tile(bytes.begin() + kFirstTile, bytes.end());
   const auto polygons = polygonsFromTiles(std::span(&tile, 1), 0.25f, "fuzz");
-  if (!polygons) requireSentence(polygons.error());
+  if (!polygons) requireSentence(polygons.error().message, "fuzz: ");
   return 0;
 }
 

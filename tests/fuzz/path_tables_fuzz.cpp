@@ -1,24 +1,19 @@
 // The reader of distance tables on any bytes; what it accepts has to survive the tests made of it.
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "service/path_comparison.h"
 #include "service/path_tables.h"
 #include "tests/fuzz/fuzz.h"
 
+using forewalk::testing::require;
+using forewalk::testing::requireSentence;
+using forewalk::testing::seedsOf;
+
 namespace {
 
 using namespace forewalk;
-
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
 
 void checkTable(const service::NamedTable& named, std::size_t paths) {
   require(named.table.paths == paths && named.table.distances.size() == paths * paths,
@@ -73,23 +68,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const service::NamedTable& named : tables->tables) checkTable(named, tables->paths.size());
     if (tables->paths.size() <= 8) checkTests(std::move(*tables));
   } else {
-    const std::string& message = tables.error().message;
-    require(message.rfind("fuzz", 0) == 0 && message.size() < 600,
-            "a message says where, and is short");
-    for (const char c : message) require(c >= ' ' && c <= '~', "a message is printable");
+    requireSentence(tables.error().message, "fuzz");
   }
   return 0;
 }
 
 std::vector<std::vector<std::uint8_t>> seedCorpus() {
-  std::vector<std::vector<std::uint8_t>> seeds;
-  for (
-      const std::string_view text :
+  return seedsOf(
       {R"({"paths": ["H1", "H2", "Model"], "test1": [[0, 2.5, 9], [2.5, 0, 1e3], [9, 1e3, 0]]})",
        R"({"paths": ["a", "b", "c", "d"], "source": "x", "t": [[0,1,2,3],[1,0,1,2],[2,1,0,1],[3,2,1,0]],
             "same": [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,0]]})",
-       R"({"paths": ["a", "b"], "t": [[0, 1e308], [1e308, 0]], "u": [[0, 1e-320], [1e-320, 0]]})"}) {
-    seeds.emplace_back(text.begin(), text.end());
-  }
-  return seeds;
+       R"({"paths": ["a", "b"], "t": [[0, 1e308], [1e308, 0]], "u": [[0, 1e-320], [1e-320, 0]]})"});
 }

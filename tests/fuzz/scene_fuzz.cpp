@@ -1,7 +1,5 @@
 // The scene readers on any bytes. The first byte picks the format, the rest is the file.
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
@@ -10,17 +8,13 @@
 
 using forewalk::navmesh::Scene;
 using forewalk::navmesh::SceneFormat;
+using forewalk::testing::require;
+using forewalk::testing::requireSentence;
 
 namespace {
 
 constexpr SceneFormat kFormats[] = {SceneFormat::kObj, SceneFormat::kOff,  SceneFormat::kPly,
                                     SceneFormat::kStl, SceneFormat::kGltf, SceneFormat::kGlb};
-
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
 
 void checkScene(const Scene& scene) {
   require(!scene.triangles.empty(), "a scene has triangles");
@@ -60,10 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (scene) {
     checkScene(*scene);
   } else {
-    const std::string& message = scene.error().message;
-    require(message.starts_with("fuzz") && message.size() < 600,
-            "a message says where, and is short");
-    for (const char c : message) require(c >= ' ' && c <= '~', "a message is printable");
+    requireSentence(scene.error().message, "fuzz");
   }
   return 0;
 }

@@ -1,21 +1,10 @@
 // The reader of simulation files on any bytes; what it accepts keeps the promises of its ranges.
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <string_view>
-
 #include "rdw/simulation_config.h"
 #include "tests/fuzz/fuzz.h"
 
-namespace {
-
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
-
-}  // namespace
+using forewalk::testing::require;
+using forewalk::testing::requireSentence;
+using forewalk::testing::seedsOf;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto file = forewalk::rdw::parseSimulation(
@@ -32,28 +21,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(simulation.session.space.area() > 0.0, "the space has an area");
     require(forewalk::rdw::validate(simulation.session.limits).has_value(), "limits can work");
   } else {
-    const std::string& message = file.error().message;
-    require(message.rfind("fuzz", 0) == 0 && message.size() < 600,
-            "a message says where, and is short");
-    for (const char c : message) require(c >= ' ' && c <= '~', "a message is printable");
+    requireSentence(file.error().message, "fuzz");
   }
   return 0;
 }
 
 std::vector<std::vector<std::uint8_t>> seedCorpus() {
-  std::vector<std::vector<std::uint8_t>> seeds;
-  for (const std::string_view text :
-       {R"({"format": "forewalk.simulation/1", "scene": "a.obj", "user": {"kind": "wander"},
+  return seedsOf(
+      {R"({"format": "forewalk.simulation/1", "scene": "a.obj", "user": {"kind": "wander"},
             "limits": {"preset": "toolkit", "rotation_max": 1.3}, "space": {"rectangle": [6, 6]}})",
-        R"({"format": "forewalk.simulation/1", "space": {"polygon": [[0,0],[4,0],[4,-4],[0,-4]],
+       R"({"format": "forewalk.simulation/1", "space": {"polygon": [[0,0],[4,0],[4,-4],[0,-4]],
             "holes": [[[1,-1],[2,-1],[2,-2]]]}, "controller": "s2o", "seed": 7,
             "user": {"kind": "waypoints", "waypoints": [[0,0,0],[1,0,-1]], "loop": true}})",
-        R"({"format": "forewalk.simulation/1", "rate_hz": 60, "stop": {"virtual_m": 10},
+       R"({"format": "forewalk.simulation/1", "rate_hz": 60, "stop": {"virtual_m": 10},
             "build": {"slope_deg": 30, "partition": "layers"}, "reset": {"clearance_m": 0.5},
             "start": {"position": [0,0,0], "heading_deg": 90}, "physical_start": {"position": [1,1]},
             "user": {"kind": "legs", "turn": "uniform", "speed_m_per_s": 1.2}})",
-        R"({"format": "forewalk.simulation/1", "user": {"kind": "recorded", "walks": "w.csv"}})"}) {
-    seeds.emplace_back(text.begin(), text.end());
-  }
-  return seeds;
+       R"({"format": "forewalk.simulation/1", "user": {"kind": "recorded", "walks": "w.csv"}})"});
 }

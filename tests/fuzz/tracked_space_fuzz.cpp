@@ -1,32 +1,20 @@
 // The tracked space readers (JSON and OpenRDW's text) on any bytes.
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <string_view>
 
 #include "rdw/tracked_space.h"
 #include "tests/fuzz/fuzz.h"
 
 using forewalk::rdw::TrackedSpace;
-
-namespace {
-
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
-
-}  // namespace
+using forewalk::testing::require;
+using forewalk::testing::requireSentence;
+using forewalk::testing::seedsOf;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto space = TrackedSpace::read(text);
   if (!space) {
-    const std::string& message = space.error().message;
-    require(message.starts_with("tracked space") && message.size() < 600,
-            "a message says where, and is short");
-    for (const char c : message) require(c >= ' ' && c <= '~', "a message is printable");
+    requireSentence(space.error().message, "tracked space");
     return 0;
   }
   require(space->area() > 0.0 && space->clearance() > 0.0, "a room has floor");
@@ -42,17 +30,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 }
 
 std::vector<std::vector<std::uint8_t>> seedCorpus() {
-  std::vector<std::vector<std::uint8_t>> seeds;
-  for (
-      const std::string_view text : {
-          std::string_view(R"({"format": "forewalk.space/1", "rectangle": [6, 4.5]})"),
-          std::string_view(R"({"format": "forewalk.space/1", "circle": 3.5})"),
-          std::string_view(
-              R"({"format": "forewalk.space/1", "polygon": [[0, 0], [6, 0], [6, 2], [2, 2], [2, 6], [0, 6]],
+  return seedsOf(
+      {R"({"format": "forewalk.space/1", "rectangle": [6, 4.5]})",
+       R"({"format": "forewalk.space/1", "circle": 3.5})",
+       std::string_view(
+           R"({"format": "forewalk.space/1", "polygon": [[0, 0], [6, 0], [6, 2], [2, 2], [2, 6], [0, 6]],
                                 "holes": [[[0.5, 4], [1, 4], [1, 5]]]})"),
-          std::string_view("5,5\n-5,5\n-5,-5\n5,-5\n\n1,1\n1,2\n2,2\n2,1\n\n-1,-1\n-2,-1\n-2,-2\n"),
-      }) {
-    seeds.emplace_back(text.begin(), text.end());
-  }
-  return seeds;
+       "5,5\n-5,5\n-5,-5\n5,-5\n\n1,1\n1,2\n2,2\n2,1\n\n-1,-1\n-2,-1\n-2,-2\n"});
 }

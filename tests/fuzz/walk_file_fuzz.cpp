@@ -1,19 +1,14 @@
 // The reader of recorded walks on any bytes; what it accepts has to survive resampling.
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <string_view>
 
 #include "rdw/walk_file.h"
 #include "tests/fuzz/fuzz.h"
 
-namespace {
+using forewalk::testing::require;
+using forewalk::testing::requireSentence;
+using forewalk::testing::seedsOf;
 
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
+namespace {
 
 void checkWalk(const forewalk::rdw::Walk& walk) {
   require(walk.samples.size() >= 2, "a walk has two samples");
@@ -47,23 +42,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (const auto& walk : *walks) checkWalk(walk);
     } else {
       require(!timed || times == WalkTimes::kRequired, "times may be given where they need not");
-      const std::string& message = walks.error().message;
-      require(message.rfind("fuzz", 0) == 0 && message.size() < 600,
-              "a message says where, and is short");
-      for (const char c : message) require(c >= ' ' && c <= '~', "a message is printable");
+      requireSentence(walks.error().message, "fuzz");
     }
   }
   return 0;
 }
 
 std::vector<std::vector<std::uint8_t>> seedCorpus() {
-  std::vector<std::vector<std::uint8_t>> seeds;
-  for (const std::string_view text :
-       {"walker_id,t,x,z\nu0,0.000,0.0532,-0.0236\nu0,0.044,0.0526,-0.0237\nu1,0.0,1e1,-2\nu1,0.1,"
-        "10,-2\n",
-        "t,x,z\r\n0,0,0\r\n0.5,0.25,-0.25\r\n1.5,-1,+1\r\n", "z,note,t,x\n0,,1,0\n0,a b,2,1\n",
-        "x,z\n0,0\n0.5,-1\n", "walker_id,z,x\na,0,0\nb,1,0\na,0,1\nb,2,2\n"}) {
-    seeds.emplace_back(text.begin(), text.end());
-  }
-  return seeds;
+  return seedsOf(
+      {"walker_id,t,x,z\nu0,0.000,0.0532,-0.0236\nu0,0.044,0.0526,-0.0237\nu1,0.0,1e1,-2\nu1,0.1,"
+       "10,-2\n",
+       "t,x,z\r\n0,0,0\r\n0.5,0.25,-0.25\r\n1.5,-1,+1\r\n", "z,note,t,x\n0,,1,0\n0,a b,2,1\n",
+       "x,z\n0,0\n0.5,-1\n", "walker_id,z,x\na,0,0\nb,1,0\na,0,1\nb,2,2\n"});
 }

@@ -37,23 +37,44 @@ double lengthThrough(const NavGraph& graph, const Location& from, const Location
   return length + glm::distance(at, glm::dvec2(to.plan));
 }
 
+// What the walk costs.
+double costThrough(const NavGraph& graph, const PolygonStates& states, const Location& from,
+                   const Location& to, const Row& row) {
+  glm::dvec2 at(from.plan);
+  double total = 0.0;
+  double cost = states.isClosed(from.polygon) ? 1.0 : double(states.costOf(from.polygon));
+  for (const std::uint32_t h : row) {
+    total += cost * glm::distance(at, glm::dvec2(graph.portalMidpoint[h]));
+    at = graph.portalMidpoint[h];
+    cost = double(states.costOf(graph.portalTo[h]));
+  }
+  return total + cost * glm::distance(at, glm::dvec2(to.plan));
+}
+
 // Bellman-Ford over half-portals, until nothing changes.
-double shortestByBruteForce(const NavGraph& graph, const Location& from, const Location& to) {
+double shortestByBruteForce(const NavGraph& graph, const Location& from, const Location& to,
+                            const PolygonStates& states = {}) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto costOf = [&](PolygonId polygon) { return double(states.costOf(polygon)); };
   if (from.polygon == to.polygon) return glm::distance(glm::dvec2(from.plan), glm::dvec2(to.plan));
   const auto midpoint = [&](std::uint32_t h) { return glm::dvec2(graph.portalMidpoint[h]); };
   std::vector<double> length(graph.portalCount(), kInfinity);
   for (std::uint32_t h = graph.portalStart[index(from.polygon)];
        h < graph.portalStart[index(from.polygon) + 1]; ++h) {
-    length[h] = glm::distance(glm::dvec2(from.plan), midpoint(h));
+    const double cost = states.isClosed(from.polygon) ? 1.0 : costOf(from.polygon);
+    if (states.isClosed(graph.portalTo[h])) continue;
+    length[h] = cost * glm::distance(glm::dvec2(from.plan), midpoint(h));
   }
   for (bool changed = true; changed;) {
     changed = false;
     for (std::uint32_t h = 0; h < graph.portalCount(); ++h) {
+      if (length[h] == kInfinity) continue;
       const std::uint32_t over = index(graph.portalTo[h]);
       for (std::uint32_t next = graph.portalStart[over]; next < graph.portalStart[over + 1];
            ++next) {
-        const double through = length[h] + glm::distance(midpoint(h), midpoint(next));
+        if (states.isClosed(graph.portalTo[next])) continue;
+        const double through =
+            length[h] + costOf(graph.portalTo[h]) * glm::distance(midpoint(h), midpoint(next));
         if (through < length[next]) {
           length[next] = through;
           changed = true;
@@ -64,7 +85,9 @@ double shortestByBruteForce(const NavGraph& graph, const Location& from, const L
   double best = kInfinity;
   for (std::uint32_t h = 0; h < graph.portalCount(); ++h) {
     if (graph.portalTo[h] == to.polygon) {
-      best = std::min(best, length[h] + glm::distance(midpoint(h), glm::dvec2(to.plan)));
+      if (length[h] == kInfinity) continue;
+      const double rest = costOf(to.polygon) * glm::distance(midpoint(h), glm::dvec2(to.plan));
+      best = std::min(best, length[h] + rest);
     }
   }
   return best;
@@ -159,6 +182,57 @@ TEST(FindCorridor, IsTheSameWhateverTheScratchHasSeen) {
     ASSERT_TRUE(findCorridor(graph, places[i], places[i + 1], used, row));
     ASSERT_TRUE(findCorridor(graph, places[i], places[i + 1], scratch, fresh));
     EXPECT_EQ(row, fresh);
+  }
+}
+
+TEST(FindCorridor, TakesTheCheapestWalkAndEntersNothingClosed) {
+  CorridorScratch scratch;
+  Row row;
+  int found = 0, shut = 0, dearer = 0;
+  for (std::uint64_t seed = 0; seed < 16; ++seed) {
+    const NavGraph graph = graphOf(testing::randomMesh(seed, 9, 9));
+    std::mt19937_64 rng(seed);
+    PolygonStates states;
+    states.cost.resize(graph.polygonCount());
+    for (float& cost : states.cost) {
+      const int kind = uniformInt(rng, 6);
+      cost = kind == 0 ? kClosed : kind < 3 ? 1.0f + 9.0f * float(uniform(rng)) : 1.0f;
+    }
+    const std::vector<Location> places = testing::randomStarts(graph, 40, seed);
+    for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+      const Location &from = places[i], &to = places[i + 1];
+      const double cheapest = shortestByBruteForce(graph, from, to, states);
+      const bool way = findCorridor(graph, from, to, scratch, row, &states);
+      ASSERT_EQ(way, std::isfinite(cheapest)) << "seed " << seed << " walk " << i;
+      if (!way) {
+        ++shut;
+        continue;
+      }
+      ++found;
+      for (const std::uint32_t h : row) EXPECT_FALSE(states.isClosed(graph.portalTo[h]));
+      if (from.polygon == to.polygon) continue;
+      EXPECT_NEAR(costThrough(graph, states, from, to, row), cheapest, 1e-3);
+      dearer += cheapest > shortestByBruteForce(graph, from, to) + 0.1;
+    }
+  }
+  EXPECT_GT(found, 100);
+  EXPECT_GT(shut, 50);
+  EXPECT_GT(dearer, 50);
+}
+
+TEST(FindCorridor, IsTheSameWithStatesInWhichAllIsOpen) {
+  const NavGraph graph = graphOf(testing::randomMesh(5, 14, 14));
+  const std::vector<Location> places = testing::randomStarts(graph, 60, 5);
+  PolygonStates none, ones;
+  ones.cost.assign(graph.polygonCount(), 1.0f);
+  CorridorScratch scratch;
+  Row row, open, one;
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    findCorridor(graph, places[i], places[i + 1], scratch, row);
+    findCorridor(graph, places[i], places[i + 1], scratch, open, &none);
+    findCorridor(graph, places[i], places[i + 1], scratch, one, &ones);
+    EXPECT_EQ(row, open);
+    EXPECT_EQ(row, one);
   }
 }
 

@@ -50,8 +50,9 @@ TEST(Links, AreNoneWithoutLinks) {
   Link shut = kLift;
   shut.open = false;
   EXPECT_EQ(made(world, {shut}), Links{});
-  // From a polygon to itself is nowhere.
-  EXPECT_EQ(made(world, {link(1, {1.1f, 0, -0.5f}, {1.9f, 0, -0.5f}, 0.1f)}), Links{});
+  // From a place to itself is nowhere; across a polygon is a short cut, or a detour.
+  EXPECT_EQ(made(world, {link(1, {1.1f, 0, -0.5f}, {1.1f, 0, -0.5f}, 0.1f)}), Links{});
+  EXPECT_EQ(made(world, {link(1, {1.1f, 0, -0.5f}, {1.9f, 0, -0.5f}, 0.1f)}).ways.size(), 1u);
 }
 
 TEST(Links, StandOnTheGroundBelowTheirEnds) {
@@ -103,8 +104,8 @@ TEST(Links, AreLeftOutWhereTheirGroundHasGone) {
   std::vector<LinkId> groundless;
   const Link off = link(3, {40, 0, 0}, {1.5f, 0, -0.5f}, 1);
   const Link offToo = link(2, {1.5f, 0, -0.5f}, {1.5f, 9, -0.5f}, 1);
-  const auto links = makeLinks(world.graph, world.locations, std::vector<Link>{off, kLift, offToo},
-                               &groundless);
+  const auto links =
+      makeLinks(world.graph, world.locations, std::vector<Link>{off, kLift, offToo}, &groundless);
   ASSERT_TRUE(links);
   EXPECT_EQ(*links, made(world, {kLift}));
   EXPECT_THAT(groundless, ElementsAre(LinkId{2}, LinkId{3}));

@@ -252,9 +252,7 @@ PolygonMesh built(const navmesh::Scene& scene, const navmesh::BuildSettings& set
   return navmesh::flatten(*mesh);
 }
 
-// Measured: 0.2 % of branches and dead ends, 0.4 % of ways to the horizon, and 6 % of joins and
-// meetings are missed. These are where two fronts meet behind an obstacle: on some cuttings they
-// are seen to meet at a corner nearby.
+// Measured: one branch and one join of 15,194 nodes are missed.
 TEST(FrontIndependence, ShowsTheSameWaysOnAFloorThatIsCutOtherwise) {
   Counts all;
   for (const auto& scene : scenes()) {
@@ -269,14 +267,15 @@ TEST(FrontIndependence, ShowsTheSameWaysOnAFloorThatIsCutOtherwise) {
     }
   }
   EXPECT_GT(all.of({Role::kBranch}).compared, 4000);
-  EXPECT_LE(all.of({Role::kBranch}).share(), 0.005) << all;
-  EXPECT_LE(all.of({Role::kDeadEnd}).share(), 0.01) << all;
-  EXPECT_LE(all.of({Role::kHorizon}).share(), 0.01) << all;
-  EXPECT_LE(all.of({Role::kJoin, Role::kMeeting}).share(), 0.08) << all;
+  EXPECT_LE(all.of({Role::kBranch}).share(), 0.001) << all;
+  EXPECT_LE(all.of({Role::kDeadEnd}).share(), 0.001) << all;
+  EXPECT_LE(all.of({Role::kHorizon}).share(), 0.001) << all;
+  EXPECT_LE(all.of({Role::kJoin, Role::kMeeting}).share(), 0.002) << all;
 }
 
-// Measured: 1.7 % of branches, 2 % of dead ends, 6 % of ways to the horizon and 7 % of joins and
-// meetings are missed; of branches 12 % where they may move by two cells only.
+// Measured: 1.6 % of branches, 1.3 % of dead ends, 2.2 % of ways to the horizon and 1.7 % of joins
+// and meetings are missed. Four in ten of these are there at the same distance, within a metre
+// along a wall that the front meets almost flat; the outlines differ by a cell.
 TEST(FrontIndependence, ShowsTheSameWaysInABuildingThatIsBuiltOtherwise) {
   using navmesh::Partition;
   const navmesh::BuildSettings usual;
@@ -296,10 +295,10 @@ TEST(FrontIndependence, ShowsTheSameWaysInABuildingThatIsBuiltOtherwise) {
     }
   }
   EXPECT_GT(all.of({Role::kBranch}).compared, 4000);
-  EXPECT_LE(all.of({Role::kBranch}).share(), 0.05) << all;
-  EXPECT_LE(all.of({Role::kDeadEnd}).share(), 0.05) << all;
-  EXPECT_LE(all.of({Role::kHorizon}).share(), 0.08) << all;
-  EXPECT_LE(all.of({Role::kJoin, Role::kMeeting}).share(), 0.12) << all;
+  EXPECT_LE(all.of({Role::kBranch}).share(), 0.03) << all;
+  EXPECT_LE(all.of({Role::kDeadEnd}).share(), 0.03) << all;
+  EXPECT_LE(all.of({Role::kHorizon}).share(), 0.04) << all;
+  EXPECT_LE(all.of({Role::kJoin, Role::kMeeting}).share(), 0.04) << all;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ forewalk_test(rdw/trace_test.cpp LIBS forewalk::rdw nlohmann_json::nlohmann_json
 forewalk_test(rdw/simulation_test.cpp LIBS forewalk::rdw)
 forewalk_test(rdw/simulation_config_test.cpp LIBS forewalk::rdw)
 forewalk_test(rdw/session_test.cpp LIBS forewalk::rdw)
+forewalk_test(rdw/session_state_test.cpp LIBS forewalk::rdw forewalk::navmesh_build)
 forewalk_test(rdw/session_world_test.cpp LIBS forewalk::rdw forewalk::navmesh_build)
 forewalk_test(rdw/predictive_test.cpp LIBS forewalk::rdw)
 forewalk_test(rdw/planning_test.cpp LIBS forewalk::rdw)

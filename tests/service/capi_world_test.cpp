@@ -65,6 +65,39 @@ TEST(CapiLinks, LeadToTheOtherRoom) {
   EXPECT_EQ(forewalk_session_set_links(session.get(), nullptr, 0), FOREWALK_OK);
 }
 
+TEST(CapiLinks, LeadGraphsByFrontsToTheOtherRoom) {
+  const auto navmesh = makeNavMesh(islands());
+  forewalk_session_settings settings = at(2.0f, 2.0f);
+  settings.method = FOREWALK_METHOD_FRONT;
+  const auto session = makeSession(navmesh, settings);
+  frame(session, stands(0.0));
+  EXPECT_LT(farthestX(session), 4.0f);
+  forewalk_link lift{3, {1.0f, 0.0f, 1.0f}, {13.0f, 0.0f, 1.0f}, 2.5f, 0, 0};
+  ASSERT_EQ(forewalk_session_set_links(session.get(), &lift, 1), FOREWALK_OK);
+  frame(session, stands(0.1));
+  EXPECT_GT(farthestX(session), 10.0f);
+  forewalk_graph_view view{};
+  view.struct_size = sizeof view;
+  ASSERT_EQ(forewalk_graph(session.get(), &view), FOREWALK_OK);
+  EXPECT_EQ(view.method, FOREWALK_METHOD_FRONT);
+  // In some path the two ends of the link follow each other.
+  const auto isNear = [](const forewalk_vec3& place, float x) {
+    return std::abs(place.x - x) < 0.01f && std::abs(place.z - 1.0f) < 0.01f;
+  };
+  bool through = false;
+  for (std::uint32_t e = 0; e < view.edge_count; ++e) {
+    const forewalk_vec3* path = view.points + view.edges[e].path_start;
+    for (std::uint32_t i = 0; i + 1 < view.edges[e].path_count; ++i) {
+      through = through || (isNear(path[i], 13.0f) && isNear(path[i + 1], 1.0f));
+    }
+  }
+  EXPECT_TRUE(through);
+  lift.closed = 1;
+  ASSERT_EQ(forewalk_session_set_links(session.get(), &lift, 1), FOREWALK_OK);
+  frame(session, stands(0.2));
+  EXPECT_LT(farthestX(session), 4.0f);
+}
+
 // What it closes is tested with LiveWorld, whose ground is cut along the doorway.
 TEST(CapiStanding, IsTakenAndRefused) {
   const auto navmesh = makeNavMesh(testing::twoRooms(1.2f));

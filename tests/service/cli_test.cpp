@@ -2,77 +2,36 @@
 // refuses, and outputs that keep their schemas.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/support/program_test.h"
+
 namespace {
 
+using forewalk::testing::expectRefusal;
+using forewalk::testing::Outcome;
+using forewalk::testing::writeTo;
 using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int status;
-  std::string out;
-  std::string err;
-};
-
-std::string contentsOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void writeTo(const fs::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
-
-class Cli : public ::testing::Test {
+class Cli : public forewalk::testing::ProgramTest {
  protected:
   Cli() {
-    folder_ = fs::temp_directory_path() /
-              ("forewalk_cli_" + std::to_string(getpid()) + "_" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
     // Two rooms of 4 m x 4 m and a corridor of 6 m x 2 m between them, on one floor.
     writeTo(folder_ / "rooms.obj",
             "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 4 3 2 1\n"
             "v 4 0 1\nv 10 0 1\nv 10 0 3\nv 4 0 3\nf 8 7 6 5\n"
             "v 10 0 0\nv 14 0 0\nv 14 0 4\nv 10 0 4\nf 12 11 10 9\n");
   }
-  ~Cli() override { fs::remove_all(folder_); }
-
-  // Runs the program in its own folder; `arguments` as in a shell.
-  Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" FOREWALK_PROGRAM "' " +
-                                arguments + " >stdout.txt 2>stderr.txt </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contentsOf(folder_ / "stdout.txt"),
-            contentsOf(folder_ / "stderr.txt")};
-  }
-  std::string contents(const std::string& name) const { return contentsOf(folder_ / name); }
-
-  fs::path folder_;
 };
-
-// A refusal: the status, and one line that starts with the program's name and says something.
-void expectRefusal(const Outcome& outcome, int status, const std::string& saying) {
-  EXPECT_EQ(outcome.status, status) << outcome.err;
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-  EXPECT_THAT(outcome.err, StartsWith("forewalk: "));
-  EXPECT_THAT(outcome.err, HasSubstr(saying));
-}
 
 std::vector<std::vector<std::string>> csvOf(const std::string& text) {
   std::vector<std::vector<std::string>> rows;
@@ -316,6 +275,37 @@ TEST_F(Cli, PredictsInEveryFormat) {
   EXPECT_THAT(run(place + "--format dot").out, StartsWith("graph"));
   ASSERT_EQ(run(place + "--out sub/plan.svg").status, 0) << "the ending names the format";
   EXPECT_THAT(contents("sub/plan.svg"), HasSubstr("</svg>"));
+}
+
+TEST_F(Cli, LeadsThroughLinksByBothMethods) {
+  // Two floors of 4 x 4 m with 6 m between them.
+  writeTo(folder_ / "islands.obj",
+          "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 4 3 2 1\n"
+          "v 10 0 0\nv 14 0 0\nv 14 0 4\nv 10 0 4\nf 8 7 6 5\n");
+  writeTo(folder_ / "links.json",
+          R"({"format": "forewalk.links/1", "links": [{"id": 7, "entry": [3, 0, 2],
+              "exit": [12, 0, 2], "length": 2.5}]})");
+  for (const std::string method : {"polygon", "front"}) {
+    const Outcome outcome =
+        run("predict islands.obj --at 1,0,1 --horizon 20 --links links.json --method " + method);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json graph = json::parse(outcome.out);
+    std::size_t through = 0;
+    for (const json& edge : graph["edges"]) {
+      if (!edge.contains("links")) continue;
+      ++through;
+      EXPECT_EQ(edge["links"][0]["id"], 7);
+      EXPECT_EQ(edge["links"][0]["length"], 2.5);
+      EXPECT_NEAR(edge["links"][0]["to"][0].get<double>(), 3.0, 1e-3) << "edges run backwards";
+      EXPECT_NEAR(edge["links"][0]["from"][0].get<double>(), 12.0, 1e-3);
+    }
+    EXPECT_GE(through, 1u) << method;
+    bool beyond = false;
+    for (const json& node : graph["nodes"]) {
+      beyond = beyond || node["position"][0].get<double>() > 10.0;
+    }
+    EXPECT_TRUE(beyond) << method;
+  }
 }
 
 TEST_F(Cli, TakesNegativePositions) {

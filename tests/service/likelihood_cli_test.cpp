@@ -1,36 +1,22 @@
 // forewalk fit and forewalk evaluate as a person meets them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/program_test.h"
+
 namespace {
 
+using forewalk::testing::Outcome;
 using nlohmann::json;
 using ::testing::HasSubstr;
-namespace fs = std::filesystem;
 
-struct Outcome {
-  int status;
-  std::string out, err;
-};
-
-class LikelihoodCli : public ::testing::Test {
+class LikelihoodCli : public forewalk::testing::ProgramTest {
  protected:
   LikelihoodCli() {
-    folder_ = fs::temp_directory_path() /
-              ("forewalk_likelihood_cli_" + std::to_string(getpid()) + "_" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
     // A plus: two corridors of 20 m x 2 m that cross at the origin.
     write("plus.obj",
           "v -10 0 -1\nv 10 0 -1\nv 10 0 1\nv -10 0 1\nf 4 3 2 1\n"
@@ -57,29 +43,6 @@ class LikelihoodCli : public ::testing::Test {
     }
     write("walks.csv", csv);
   }
-  ~LikelihoodCli() override { fs::remove_all(folder_); }
-
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-  std::string contents(const std::string& name) const {
-    std::ifstream stream(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" FOREWALK_PROGRAM "' " +
-                                arguments + " >stdout.txt 2>stderr.txt </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents("stdout.txt"),
-            contents("stderr.txt")};
-  }
-  void refuses(const std::string& arguments, int status, const std::string& saying) const {
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.status, status) << arguments << "\n" << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr(saying));
-  }
-  fs::path folder_;
 };
 
 TEST_F(LikelihoodCli, RefusesInOneLineWhatItCannotUse) {

@@ -1,34 +1,23 @@
 // forewalk paths as a person meets it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/program_test.h"
+
 namespace {
 
+using forewalk::testing::Outcome;
 using nlohmann::json;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int status;
-  std::string out, err;
-};
-
-class PathsCli : public ::testing::Test {
+class PathsCli : public forewalk::testing::ProgramTest {
  protected:
   PathsCli() {
-    folder_ = fs::temp_directory_path() /
-              ("forewalk_paths_cli_" + std::to_string(getpid()) + "_" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder_ / "other");
     std::string people = "walker_id,t,x,z\n", agents = "walker_id,x,z\n", one = "z,x\n";
     for (int i = 0; i <= 50; ++i) {
@@ -46,29 +35,6 @@ class PathsCli : public ::testing::Test {
     write("one.csv", one);
     write("other/people.csv", people);
   }
-  ~PathsCli() override { fs::remove_all(folder_); }
-
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-  std::string contents(const std::string& name) const {
-    std::ifstream stream(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" FOREWALK_PROGRAM "' " +
-                                arguments + " >stdout.txt 2>stderr.txt </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents("stdout.txt"),
-            contents("stderr.txt")};
-  }
-  void refuses(const std::string& arguments, int status, const std::string& saying) const {
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.status, status) << arguments << "\n" << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr(saying));
-  }
-  fs::path folder_;
 };
 
 TEST_F(PathsCli, ComparesFilesAndWritesWhatItSays) {

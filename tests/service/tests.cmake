@@ -1,15 +1,24 @@
 # Tests of service/, one forewalk_test() a file.
+
+# forewalk_program_test(service/cli_test.cpp LIBS ...): a test that runs the forewalk program.
+function(forewalk_program_test source)
+  forewalk_test(${source} ${ARGN})
+  get_filename_component(name ${source} NAME_WE)
+  if(TARGET ${name})
+    add_dependencies(${name} forewalk)
+    target_compile_definitions(${name} PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+  endif()
+endfunction()
+
 forewalk_test(service/parallel_test.cpp LIBS forewalk::service)
 forewalk_test(service/live_world_test.cpp LIBS forewalk::service)
 forewalk_test(service/walk_animation_test.cpp LIBS forewalk::service)
+forewalk_test(service/clip_file_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
+forewalk_test(service/walk_company_test.cpp LIBS forewalk::service fmt::fmt-header-only)
 forewalk_test(service/crowd_run_test.cpp LIBS forewalk::service SQLite::SQLite3 nlohmann_json::nlohmann_json)
 forewalk_test(service/rimea_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
-forewalk_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
-if(TARGET cli_test)
-  add_dependencies(cli_test forewalk)
-  target_compile_definitions(cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
-endif()
+forewalk_program_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 
 # The C interface.
 forewalk_test(service/capi_axes_test.cpp LIBS capi capi_axes forewalk::navmesh_build)
@@ -53,18 +62,34 @@ endif()
 # Which way will they take: fitting and judging.
 forewalk_test(service/fitting_test.cpp LIBS forewalk::service)
 forewalk_test(service/evaluation_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
-forewalk_test(service/likelihood_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
-if(TARGET likelihood_cli_test)
-  add_dependencies(likelihood_cli_test forewalk)
-  target_compile_definitions(likelihood_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
-endif()
+forewalk_program_test(service/likelihood_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 
 # How like people simulated walkers walk.
 forewalk_test(service/path_tables_test.cpp LIBS forewalk::service)
 forewalk_test(service/path_comparison_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
-forewalk_test(service/paths_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
-if(TARGET paths_cli_test)
-  add_dependencies(paths_cli_test forewalk)
-  target_compile_definitions(paths_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
-endif()
+forewalk_program_test(service/paths_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 forewalk_test(service/trajectory_picture_test.cpp LIBS forewalk::service)
+
+# The daemon. Its clients stand apart: Beast is slow to compile.
+add_library(web_client STATIC ${PROJECT_SOURCE_DIR}/tests/support/web_client.cpp)
+target_link_libraries(web_client PUBLIC Boost::headers Threads::Threads PRIVATE project_options)
+target_include_directories(web_client PUBLIC ${PROJECT_SOURCE_DIR})
+forewalk_test(service/daemon_message_test.cpp LIBS forewalk::daemon nlohmann_json::nlohmann_json)
+foreach(name daemon_test daemon_limits_test)
+  forewalk_test(service/${name}.cpp LIBS forewalk::daemon web_client spdlog::spdlog nlohmann_json::nlohmann_json)
+endforeach()
+forewalk_test(service/serve_cli_test.cpp LIBS forewalk::daemon web_client spdlog::spdlog nlohmann_json::nlohmann_json)
+if(TARGET serve_cli_test)
+  add_dependencies(serve_cli_test forewalk)
+  target_compile_definitions(serve_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+endif()
+
+# Crowds over a network.
+forewalk_test(service/crowd_network_test.cpp LIBS forewalk::service)
+if(TARGET crowd_network_test)
+  add_dependencies(crowd_network_test forewalk)
+  target_compile_definitions(crowd_network_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
+endif()
+
+# Experiments: many walks, their results and report.
+forewalk_test(service/experiment_test.cpp LIBS forewalk::service)

@@ -1,0 +1,77 @@
+// A session's state as a signed token: what a client hands to the next daemon to go on where it
+// was.
+//
+//   152 bytes of state (state_token.cpp says which) | HMAC-SHA256 over them
+//
+// Any daemon with the same key and the same navmesh takes it. It is not encrypted: it holds the
+// client's own poses. Nobody without the key can make or change one, so its numbers are trusted as
+// far as their maker; what they lead to is checked again (rdw::Session::resume).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "navmesh/build/navmesh.h"
+#include "navmesh/error.h"
+#include "rdw/session.h"
+
+namespace forewalk::daemon {
+
+/// The first bytes of the SHA-256 of a navmesh's .fwmesh: says whether two daemons walk the same
+/// ground.
+using NavMeshHash = std::array<std::uint8_t, 8>;
+NavMeshHash hashOf(const navmesh::NavMesh& navMesh);
+std::string textOf(const NavMeshHash& hash);  ///< 16 hexadecimal digits
+
+/// Whose state it is, beside the state.
+struct TokenState {
+  std::uint64_t sessionId = 0;
+  rdw::SessionState state;
+};
+
+inline constexpr std::size_t kTokenBytes = 184;  ///< 246 letters in base64url
+static_assert((kTokenBytes * 4 + 2) / 3 <= 256);
+
+inline constexpr std::size_t kLeastKeyBytes = 32;
+
+/// Signs and checks. One thread at a time: each has its own, of the same key.
+class TokenSigner {
+ public:
+  /// `key` has at least kLeastKeyBytes.
+  TokenSigner(std::string_view key, const NavMeshHash& navMesh);
+  TokenSigner(TokenSigner&&) noexcept;
+  ~TokenSigner();
+
+  /// Replaces `token` by the raw bytes of a token. Some 2 microseconds; allocates nothing once
+  /// `token` has the room.
+  void sign(const TokenState& state, std::string& token);
+
+  /// The state in the raw bytes of a token. Fails (kDataDamaged) for one of the wrong length or
+  /// version or that this key did not sign, compared in constant time, and (kFormatUnsupported) for
+  /// another navmesh.
+  [[nodiscard]] tl::expected<TokenState, Error> open(std::string_view token);
+
+ private:
+  struct Mac;
+  std::unique_ptr<Mac> mac_;
+  NavMeshHash navMesh_;
+};
+
+/// The state without signature, for recordings, which nobody has to trust.
+std::string stateBytes(const TokenState& state, const NavMeshHash& navMesh);
+[[nodiscard]] tl::expected<TokenState, Error> stateFromBytes(std::string_view bytes,
+                                                             const NavMeshHash& navMesh);
+
+/// `count` bytes that nobody can guess.
+std::string randomBytes(std::size_t count);
+
+/// Whether two texts are equal, in a time that says nothing of where they differ, nor of how long
+/// the secret is.
+bool equalInConstantTime(std::string_view given, std::string_view secret);
+
+}  // namespace forewalk::daemon
