@@ -119,6 +119,13 @@ bool Reset::mustStop(const Around& around, Step& step) const {
 bool Reset::waitsFor(const Around& around, Step& step) {
   const bool stop = mustStop(around, step);
   if (state_.turning) return false;
+  if (backward_ != glm::dvec2(0.0)) {
+    // Whoever has just stepped back still moves that way by the smoothed velocity: that is not a
+    // walk to be stopped.
+    const Motion& motion = around.motion;
+    if (motion.walking && glm::dot(motion.walkingDirection, backward_) > 0.0) return false;
+    backward_ = glm::dvec2(0.0);
+  }
   if (around.motion.walking) resetsSinceWalk_ = 0;
   state_ = ResetState{};
   if (stop && around.motion.usable()) return true;
@@ -137,9 +144,12 @@ void Reset::begin(const ResetPlan& plan, const Motion& motion) {
   state_.back = plan.back;
   const double angle = state_.remaining;
   state_.gain = angle > 0.0 ? plan.seen / angle : 0.0;
-  backward_ = motion.walking          ? -motion.walkingDirection
-              : motion.distance > 0.0 ? -motion.step / motion.distance
-                                      : glm::dvec2(0.0);
+  backward_ = glm::dvec2(0.0);
+  if (plan.back > 0.0 && motion.walking) {
+    backward_ = -motion.walkingDirection;
+  } else if (plan.back > 0.0 && motion.distance > 0.0) {
+    backward_ = -motion.step / motion.distance;
+  }
   state_.instruction = plan.back > 0.0     ? ResetInstruction::kStepBack
                        : state_.wanted > 0 ? ResetInstruction::kTurnLeft
                        : state_.wanted < 0 ? ResetInstruction::kTurnRight
@@ -190,7 +200,9 @@ Reset::Step Reset::frame(const SteerInput& input, ResetPolicy& policy) {
   const Around around{input.motion, input.physical.position, input.space, input.others};
   const bool turning = state_.turning;
   if (waitsFor(around, step)) {
-    begin(passable(policy.plan(input), input, 2.0 * settings_.clearance), input.motion);
+    // Enough to set off and to be stopped again, at a walk.
+    const double needed = settings_.clearance + stoppingDistance(std::max(1.0, input.motion.speed));
+    begin(passable(policy.plan(input), input, needed), input.motion);
     step.began = true;
   } else if (turning) {
     carryOn(input.motion, step);
