@@ -19,6 +19,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
+// Without a controller, whose room would take long to study in slow builds.
+const std::string kHello = R"({"format":"forewalk.hello/1","session":{"controller":"none"}})";
+
 std::string sampleOf(unsigned short port, const std::string& name) {
   const std::string metrics = httpGet(port, "/metrics").body;
   const std::size_t at = metrics.find("\n" + name + " ");
@@ -59,15 +62,20 @@ TEST(DaemonLimits, OnTheSizeOfAMessage) {
 TEST(DaemonLimits, OnMessagesPerSecond) {
   daemon::DaemonSettings settings;
   settings.limits.messagesPerSecond = 50;
+  settings.limits.idleSeconds = settings.limits.handshakeSeconds = 60.0;
   const auto daemon = startDaemon(settings);
   Walker walker(daemon->port(), sessionWith("none"));
   ASSERT_TRUE(walker.welcomed());
+  // All at once, so that a slow machine is no excuse.
   Body body;
+  for (int i = 0; i < 400; ++i) {
+    walker.client.send(daemon::frameBytes(body.next(false)), false);
+  }
   std::string code;
   int answered = 0;
-  for (int i = 0; i < 2000 && code.empty(); ++i) {
-    if (!walker.frame(body.next(false))) {
-      code = codeOf(walker.last);
+  while (const auto message = walker.client.receive(30.0)) {
+    if (walker.client.receivedText()) {
+      code = codeOf(message);
     } else {
       ++answered;
     }
@@ -81,7 +89,7 @@ TEST(DaemonLimits, OnMessagesPerSecond) {
     std::string bytes = first == 0x00 ? BareSocket::frame(0x01, "") : "";
     for (int i = 0; i < 500; ++i) bytes += BareSocket::frame(first, "x");
     flood.send(bytes);
-    EXPECT_TRUE(flood.endsWithin(10.0)) << int{first};
+    EXPECT_TRUE(flood.endsWithin(30.0)) << int{first};
   }
   EXPECT_EQ(refusedOf(daemon->port(), "limit.messages_per_second"), "3");
 }
@@ -154,7 +162,7 @@ TEST(DaemonLimits, OnTheTimeToTakeAnAnswer) {
   const auto daemon = startDaemon(settings);
   BareSocket deaf(daemon->port());
   ASSERT_TRUE(deaf.upgrade());
-  deaf.send(BareSocket::frame(0x81, R"({"format":"forewalk.hello/1"})"));
+  deaf.send(BareSocket::frame(0x81, kHello));
   // Frames without end, and not one answer read: the pipes fill, and nothing else does.
   Body body;
   const std::string frame = BareSocket::frame(0x82, daemon::frameBytes(body.next(false)));
@@ -196,11 +204,11 @@ TEST(DaemonLimits, AreNotPassedByBrokenMessages) {
     BareSocket early(port);
     ASSERT_TRUE(early.upgrade());
     early.send(bytes);
-    EXPECT_TRUE(early.endsWithin(10.0));
+    EXPECT_TRUE(early.endsWithin(30.0));
     BareSocket late(port);
     ASSERT_TRUE(late.upgrade());
-    late.send(BareSocket::frame(0x81, R"({"format":"forewalk.hello/1"})") + bytes);
-    EXPECT_TRUE(late.endsWithin(10.0));
+    late.send(BareSocket::frame(0x81, kHello) + bytes);
+    EXPECT_TRUE(late.endsWithin(30.0));
   }
   for (const auto& [bytes, isText] : std::vector<std::pair<std::string, bool>>{
            {"{}", true},
@@ -222,7 +230,7 @@ TEST(DaemonLimits, AreNotPassedByBrokenMessages) {
 void beHostile(unsigned short port, const std::atomic<bool>& stop, std::uint64_t& attacks) {
   std::vector<std::unique_ptr<BareSocket>> halfOpen;
   for (int i = 0; i < 30; ++i) halfOpen.push_back(std::make_unique<BareSocket>(port));
-  const std::string hello = BareSocket::frame(0x81, R"({"format":"forewalk.hello/1"})");
+  const std::string hello = BareSocket::frame(0x81, kHello);
   const std::string predictive = BareSocket::frame(
       0x81, R"({"format":"forewalk.hello/1","session":{"controller":"s2c-predictive"}})");
   std::string pings, frames;

@@ -268,7 +268,7 @@ TEST(Daemon, RecordsWhatReplaysToTheLastBit) {
   Body body;
   std::string token, id;
   for (int part = 0; part < 2; ++part) {
-    Walker walker(daemon->port(), sessionWith("s2c-predictive"), token);
+    Walker walker(daemon->port(), sessionWith("s2o"), token);
     ASSERT_TRUE(walker.welcomed());
     id = walker.welcome["session"];
     bool turning = false;
