@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -48,11 +49,11 @@ std::shared_ptr<const navmesh::World> worldOf(std::span<const Floor> floors) {
 }
 
 CrowdResult walked(const std::shared_ptr<const navmesh::World>& world, std::string_view model,
-                   double seconds, const std::string& groups) {
+                   double seconds, const std::string& groups, std::uint64_t seed = 1) {
   const std::string text =
       fmt::format(R"({{"format": "forewalk.crowd/1", "scene": "rimea", "model": "{}", "seconds": {},
-                      "groups": [{}]}})",
-                  model, seconds, groups);
+                      "seed": {}, "groups": [{}]}})",
+                  model, seconds, seed, groups);
   const auto config = parseCrowd(std::as_bytes(std::span(text.data(), text.size())), "rimea");
   EXPECT_TRUE(config.has_value()) << config.error().message;
   CrowdRun run;
@@ -185,13 +186,20 @@ TEST_P(RimeaDoors, Case9TakesTwiceAsLongThroughHalfTheDoors) {
 }
 
 // 100 people through a passage of 1 m between two rooms: they queue before it (under 60 % of their
-// speed) and not behind it (over 75 %).
+// speed) and not behind it (over 75 %). How many get through is a matter of luck where agents wedge
+// (ORCA: 35 to 87 of 100 over a few seeds), so the median of three seeds counts.
 TEST_P(RimeaDoors, Case12QueuesBeforeTheBottleneckOnly) {
   const Floor rooms[] = {{0, 0, 10, 10}, {10, 4.5, 15, 5.5}, {15, 0, 45, 10}};
-  const CrowdResult result = walked(worldOf(rooms), GetParam(), 300.0,
-                                    group(100, {0.3, 0.3, 7, 9.7}, {30, 0.3, 44.7, 9.7}));
+  const auto world = worldOf(rooms);
+  const std::string people = group(100, {0.3, 0.3, 7, 9.7}, {30, 0.3, 44.7, 9.7});
+  const CrowdResult result = walked(world, GetParam(), 300.0, people);
+  std::vector<std::uint32_t> arrived{result.metrics.arrived};
+  for (const std::uint64_t seed : {2u, 3u}) {
+    arrived.push_back(walked(world, GetParam(), 300.0, people, seed).metrics.arrived);
+  }
+  std::sort(arrived.begin(), arrived.end());
   EXPECT_EQ(result.metrics.wallsEntered, 0u);
-  EXPECT_GE(result.metrics.arrived, leastThroughDoors(GetParam()));
+  EXPECT_GE(arrived[1], leastThroughDoors(GetParam())) << arrived[0] << ", " << arrived[2];
   EXPECT_LT(speedIn(result, {7, 2, 10, 8}, 10.0, 40.0), 0.6 * 1.3);
   EXPECT_GT(speedIn(result, {17, 0, 25, 10}, 10.0, 40.0), 0.75 * 1.3);
 }
