@@ -213,7 +213,10 @@ enum {
   FOREWALK_CONTROLLER_DYNAMIC_APF = 10,
   FOREWALK_CONTROLLER_HAPTICS = 11,
   FOREWALK_CONTROLLER_ARC = 12,
-  FOREWALK_CONTROLLER_VISIBILITY = 13
+  FOREWALK_CONTROLLER_VISIBILITY = 13,
+  FOREWALK_CONTROLLER_FORESIGHT = 14, /* plans on the prediction graph, as the next two */
+  FOREWALK_CONTROLLER_MPCRED = 15,
+  FOREWALK_CONTROLLER_FORCE = 16
 };
 
 /* How a reset turns the user. */
@@ -226,7 +229,8 @@ enum {
   FOREWALK_RESET_MR2C = 4,          /* to the centre, or along what is in the way */
   FOREWALK_RESET_R2G = 5,           /* down the gradient of the room's potential */
   FOREWALK_RESET_SFR2G = 6,         /* five steps down it */
-  FOREWALK_RESET_R2FD = 7           /* to a way as free as the virtual one */
+  FOREWALK_RESET_R2FD = 7,          /* to a way as free as the virtual one */
+  FOREWALK_RESET_AHEAD = 8          /* to where the likely ways ahead fit the room best */
 };
 
 typedef int32_t forewalk_limits;

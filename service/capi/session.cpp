@@ -67,12 +67,13 @@ constexpr float kDefaultSide = 4.0f;  // of the tracked space, metres
 
 // In the order of their constants.
 constexpr std::string_view kControllers[] = {
-    "none",   "s2c", "s2o",       "s2c-predictive", "s2o-predictive", "s2mt", "s2mt+c",
-    "zigzag", "p2r", "messinger", "dynamic-apf",    "haptics",        "arc",  "visibility"};
-constexpr std::string_view kResets[] = {"two-one-turn", "freeze-turn", "freeze-backup", "r2c",
-                                        "mr2c",         "r2g",         "sfr2g",         "r2fd"};
-static_assert(std::size(kControllers) == FOREWALK_CONTROLLER_VISIBILITY + 1);
-static_assert(std::size(kResets) == FOREWALK_RESET_R2FD + 1);
+    "none",   "s2c",        "s2o",       "s2c-predictive", "s2o-predictive", "s2mt",
+    "s2mt+c", "zigzag",     "p2r",       "messinger",      "dynamic-apf",    "haptics",
+    "arc",    "visibility", "foresight", "mpcred",         "force"};
+constexpr std::string_view kResets[] = {
+    "two-one-turn", "freeze-turn", "freeze-backup", "r2c", "mr2c", "r2g", "sfr2g", "r2fd", "ahead"};
+static_assert(std::size(kControllers) == FOREWALK_CONTROLLER_FORCE + 1);
+static_assert(std::size(kResets) == FOREWALK_RESET_AHEAD + 1);
 constexpr std::string_view kLimits[] = {"steinicke", "laboratory", "neth", "toolkit"};
 
 forewalk_session_settings defaultSessionSettings() {
@@ -154,10 +155,10 @@ forewalk_status checkForm(const forewalk_session_settings& settings) {
   }
   if (settings.controller < FOREWALK_CONTROLLER_NONE ||
       settings.controller > FOREWALK_CONTROLLER_VISIBILITY) {
-    return unknownConstant("controller", settings.controller, FOREWALK_CONTROLLER_VISIBILITY);
+    return unknownConstant("controller", settings.controller, FOREWALK_CONTROLLER_FORCE);
   }
   if (settings.reset < FOREWALK_RESET_TWO_ONE_TURN || settings.reset > FOREWALK_RESET_R2FD) {
-    return unknownConstant("reset", settings.reset, FOREWALK_RESET_R2FD);
+    return unknownConstant("reset", settings.reset, FOREWALK_RESET_AHEAD);
   }
   if (settings.limits < FOREWALK_LIMITS_STEINICKE || settings.limits > FOREWALK_LIMITS_CUSTOM) {
     return unknownConstant("limits", settings.limits, FOREWALK_LIMITS_CUSTOM);

@@ -226,7 +226,9 @@ TEST(Controllers, AreMadeByNameAndUnknownNamesListTheKnown) {
     auto controller = makeController(name);
     ASSERT_TRUE(controller) << name;
     EXPECT_EQ((*controller)->name(), name);
-    EXPECT_EQ((*controller)->wantsPrediction(), name.find("predictive") != std::string_view::npos);
+    const bool plans = name.find("predictive") != name.npos || name == "foresight" ||
+                       name == "mpcred" || name == "force";
+    EXPECT_EQ((*controller)->wantsPrediction(), plans) << name;
   }
   auto unknown = makeController("s2x");
   ASSERT_FALSE(unknown);

@@ -76,7 +76,7 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_build_settings, tile), 36u);
   EXPECT_EQ(offsetof(forewalk_build_settings, partition), 40u);
 
-  EXPECT_EQ(sizeof(forewalk_session_settings), 144u);
+  EXPECT_EQ(sizeof(forewalk_session_settings), 152u);
   EXPECT_EQ(offsetof(forewalk_session_settings, axes), 4u);
   EXPECT_EQ(offsetof(forewalk_session_settings, controller), 8u);
   EXPECT_EQ(offsetof(forewalk_session_settings, limits), 12u);
@@ -99,6 +99,7 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_session_settings, always_predict), 128u);
   EXPECT_EQ(offsetof(forewalk_session_settings, method), 136u);
   EXPECT_EQ(offsetof(forewalk_session_settings, persistence), 140u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, reset), 144u);
 
   EXPECT_EQ(sizeof(forewalk_frame_out), 100u);
   EXPECT_EQ(offsetof(forewalk_frame_out, flags), 4u);

@@ -28,8 +28,6 @@ using testing::SessionHandle;
 using testing::TimedHead;
 using testing::wander;
 
-constexpr const char* kControllers[] = {"none", "s2c", "s2o", "s2c-predictive", "s2o-predictive"};
-
 forewalk_session_settings inTheWestRoom() {
   forewalk_session_settings settings = defaultSettings();
   settings.has_start = 1;
@@ -54,7 +52,8 @@ TEST(CapiSession, GivesTheBytesOfTheLibrary) {
     const NavMeshHandle navmesh = makeNavMesh(scene);
     const auto world = testing::makeWorld(scene);
     ASSERT_EQ(forewalk_navmesh_polygon_count(navmesh.get()), world->graph.polygonCount());
-    for (forewalk_controller controller = 0; controller < 5; ++controller) {
+    for (forewalk_controller controller = 0; controller <= FOREWALK_CONTROLLER_FORCE;
+         ++controller) {
       forewalk_session_settings settings = inTheWestRoom();
       settings.controller = controller;
       settings.limits = FOREWALK_LIMITS_LABORATORY;
@@ -62,7 +61,7 @@ TEST(CapiSession, GivesTheBytesOfTheLibrary) {
 
       rdw::SessionSettings same;
       same.space = *rdw::TrackedSpace::rectangle(4.0, 4.0);
-      same.controller = kControllers[controller];
+      same.controller = rdw::controllerNames()[static_cast<std::size_t>(controller)];
       same.limits = *rdw::gainLimitsByName("laboratory");
       same.start = rdw::VirtualStart{{3.0f, 0.0f, 2.0f}, 0.3f};
       auto library = rdw::Session::make(world, same);
@@ -270,7 +269,9 @@ TEST(CapiSession, RefusesSettingsThatCannotWork) {
   const Refusal refusals[] = {
       {"axes", [](auto& s) { s.axes = 3; }, FOREWALK_ERROR_ARGUMENT},
       {"axes", [](auto& s) { s.axes = -1; }, FOREWALK_ERROR_ARGUMENT},
-      {"controller", [](auto& s) { s.controller = 5; }, FOREWALK_ERROR_ARGUMENT},
+      {"controller", [](auto& s) { s.controller = FOREWALK_CONTROLLER_FORCE + 1; },
+       FOREWALK_ERROR_ARGUMENT},
+      {"reset", [](auto& s) { s.reset = FOREWALK_RESET_AHEAD + 1; }, FOREWALK_ERROR_ARGUMENT},
       {"controller", [](auto& s) { s.controller = -1; }, FOREWALK_ERROR_ARGUMENT},
       {"limits", [](auto& s) { s.limits = 5; }, FOREWALK_ERROR_ARGUMENT},
       {"method", [](auto& s) { s.method = 2; }, FOREWALK_ERROR_ARGUMENT},
