@@ -405,8 +405,9 @@ class FrontAssembly {
       if (known() == 0) out_.corridorPolygons.push_back(out_.node(edge.from).polygon);
       out_.corridorPolygons.push_back(way.to);
     }
+    // A link walked to its end is as long as it says, not as distances round.
     out_.linkSteps.push_back({static_cast<std::uint32_t>(out_.edges.size()) - 1, point, known(),
-                              length, way.link, false});
+                              link.exit != kNone ? way.length : length, way.link, false});
     out_.corridorPolygons.push_back(way.from);
   }
 

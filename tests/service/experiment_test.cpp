@@ -192,7 +192,7 @@ TEST_F(ExperimentTest, RefusesBadPlansInOneLineBeforeAnythingRuns) {
       {user + R"(, "rooms": [{"name": "a", "rectangle": [4, 4]}, {"name": "a", "circle": 2}])",
        "rooms[1] is named \"a\", as another before it"},
       {user + R"(, "rooms": [{"name": "cupboard", "rectangle": [0.4, 3]}])",
-       "room cupboard): the room is nowhere more than 0.20 m from a wall"},
+       "room cupboard, user u): the room is nowhere more than 0.20 m from a wall"},
       {user + R"(, "rooms": ["there_is_none.txt"])", "there_is_none.txt"},
       {user + R"(, "scenes": ["there_is_none.obj"])", "there_is_none.obj"},
       {user + R"(, "seeds": 0)", "seeds is 0, it has to lie in [1, 10000000]"},
@@ -213,7 +213,7 @@ TEST_F(ExperimentTest, RefusesBadPlansInOneLineBeforeAnythingRuns) {
     ASSERT_FALSE(experiment) << c.rest;
     const std::string& message = experiment.error().message;
     EXPECT_THAT(message, HasSubstr(c.saying));
-    EXPECT_THAT(message, HasSubstr("plan.json"));
+    EXPECT_THAT(message, HasSubstr(folder_.string())) << "the file at fault is named";
     EXPECT_EQ(message.find('\n'), message.npos) << message;
   }
 }
