@@ -154,10 +154,10 @@ forewalk_status checkForm(const forewalk_session_settings& settings) {
     return unknownConstant("axes", settings.axes, FOREWALK_AXES_UNREAL);
   }
   if (settings.controller < FOREWALK_CONTROLLER_NONE ||
-      settings.controller > FOREWALK_CONTROLLER_VISIBILITY) {
+      settings.controller > FOREWALK_CONTROLLER_FORCE) {
     return unknownConstant("controller", settings.controller, FOREWALK_CONTROLLER_FORCE);
   }
-  if (settings.reset < FOREWALK_RESET_TWO_ONE_TURN || settings.reset > FOREWALK_RESET_R2FD) {
+  if (settings.reset < FOREWALK_RESET_TWO_ONE_TURN || settings.reset > FOREWALK_RESET_AHEAD) {
     return unknownConstant("reset", settings.reset, FOREWALK_RESET_AHEAD);
   }
   if (settings.limits < FOREWALK_LIMITS_STEINICKE || settings.limits > FOREWALK_LIMITS_CUSTOM) {
