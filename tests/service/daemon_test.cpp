@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -173,7 +174,12 @@ TEST(Daemon, ServesHealthMetricsAndPages) {
 
   Walker walker(port, sessionWith("none"));
   ASSERT_TRUE(walker.frame(Body().next(false)));
-  const std::string metrics = httpGet(port, "/metrics").body;
+  std::string metrics;
+  for (int tries = 0; tries < 500; ++tries) {  // a frame is counted once its answer is written
+    metrics = httpGet(port, "/metrics").body;
+    if (metrics.find("\nforewalk_frames_total 1\n") != std::string::npos) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   for (const char* line : {"forewalk_sessions 1", "forewalk_frames_total 1",
                            "forewalk_refused_total{code=\"request\"} 8", "forewalk_draining 0"}) {
     EXPECT_NE(metrics.find(std::string("\n") + line + "\n"), std::string::npos) << line << "\n"
