@@ -162,7 +162,7 @@ class NetworkClient {
   std::vector<Own> own_;
   std::vector<bool> isOwn_;
   std::vector<bool> fresh_;  // somebody else's, seen anew since the last step
-  std::uint64_t seen_ = 0, number_ = 0, shifted_ = 0;
+  std::uint64_t seen_ = 0, number_ = 0;
   bool any_ = false;
 };
 

@@ -18,6 +18,7 @@ inline glm::vec3 toSpace(glm::vec2 plan, float height) { return {plan.x, height,
 
 /// z of the cross product: positive where `b` lies counter-clockwise of `a`.
 inline float cross(glm::vec2 a, glm::vec2 b) { return a.x * b.y - a.y * b.x; }
+inline double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Twice the signed area of the triangle: positive where `c` lies left of the walk from `a` to `b`.
 inline float turn(glm::vec2 a, glm::vec2 b, glm::vec2 c) { return cross(b - a, c - a); }

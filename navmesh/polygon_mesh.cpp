@@ -91,8 +91,6 @@ Check checkArrays(const PolygonMesh& mesh) {
 // A ring on the plan, in double precision: coordinates far from the origin keep their millimetres.
 using Ring = std::vector<glm::dvec2>;
 
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
-
 // The corners of the ring's convex hull, as places in the ring, counter-clockwise (Andrew's
 // monotone chain). Corners in a line are left out; one place stands for all corners at the same
 // point.

@@ -1,4 +1,5 @@
 #include "prediction/distance_drawing.h"
+#include "navmesh/plan.h"
 
 #include <fmt/format.h>
 
@@ -14,12 +15,11 @@ namespace forewalk::prediction {
 namespace {
 
 using glm::dvec2;
+using navmesh::cross;
 using navmesh::NavGraph;
 
 constexpr double kTau = 6.283185307179586477;
 constexpr double kSame = 1e-3;  // metres; of lengths that are equal but for rounding
-
-double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 // An angle in [0, 2 pi) from the direction `from` counter-clockwise to `to`.
 double turn(dvec2 from, dvec2 to) {

@@ -9,14 +9,13 @@
 namespace forewalk::prediction {
 
 using glm::dvec2;
+using navmesh::cross;
 using navmesh::KeyQueue;
 using navmesh::NavGraph;
 
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// How far apart rounding may put two ends that are one; metres.
 float roundingOf(const NavGraph& graph) {

@@ -1,9 +1,12 @@
 #include "prediction/front_trace.h"
+#include "navmesh/plan.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace forewalk::prediction {
+
+using navmesh::cross;
 
 using glm::dvec2;
 
@@ -11,7 +14,6 @@ namespace {
 
 constexpr int kMostPieces = 4096;  // far beyond any front: where rounding leads in circles
 
-double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 dvec2 turnedLeft(dvec2 a) { return {-a.y, a.x}; }
 
 constexpr double kTurn = 2 * 3.14159265358979323846;  // radians

@@ -1,10 +1,13 @@
 #include "prediction/wall_profile.h"
+#include "navmesh/plan.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace forewalk::prediction {
+
+using navmesh::cross;
 
 using glm::dvec2;
 
@@ -15,8 +18,6 @@ namespace {
 constexpr double kApart = 1e-3;
 
 constexpr float kBeyond = std::numeric_limits<float>::infinity();
-
-double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 }  // namespace
 

@@ -85,14 +85,10 @@ class Force final : public Controller {
   }
 
   void plan(const SteerInput& input) {
-    const Motion& motion = input.motion;
-    const glm::dvec2 facing = directionOf(input.virtualPose.heading);
-    glm::dvec2 travel =
-        motion.walking ? input.redirection.directionToVirtual(motion.walkingDirection) : facing;
-    if (turning_) travel = rotated(facing, std::clamp(0.5 * motion.turnRate, -1.2, 1.2));
-    const glm::dvec2 from = turning_ ? facing : travel;
-    const WaysAhead ahead = waysAhead(input.graph, input.likelihoods, travel, from, settings_.ways);
-    const double heading = headingOf(input.redirection.directionToPhysical(from));
+    const Travel travel = travelOf(input.motion, input.virtualPose, input.redirection, turning_);
+    const WaysAhead ahead =
+        waysAhead(input.graph, input.likelihoods, travel.direction, travel.facing, settings_.ways);
+    const double heading = headingOf(input.redirection.directionToPhysical(travel.facing));
     std::array<double, kRotations> scores{};
     const int choices = turning_ ? kRotations : kCurvatures;
     for (int w = 0; w < ahead.count; ++w) {

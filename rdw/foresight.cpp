@@ -97,20 +97,15 @@ class Foresight final : public Controller {
 
  private:
   void plan(const SteerInput& input) {
-    const Motion& motion = input.motion;
-    const glm::dvec2 facing = directionOf(input.virtualPose.heading);
-    glm::dvec2 travel =
-        motion.walking ? input.redirection.directionToVirtual(motion.walkingDirection) : facing;
-    // Somebody who turns on the spot will walk where the turn leads: half a second of it.
-    if (turning_) travel = rotated(facing, std::clamp(0.5 * motion.turnRate, -1.2, 1.2));
-    const glm::dvec2 from = turning_ ? facing : travel;
-    WaysAhead ahead = waysAhead(input.graph, input.likelihoods, travel, from, settings_.ways);
+    const Travel travel = travelOf(input.motion, input.virtualPose, input.redirection, turning_);
+    WaysAhead ahead =
+        waysAhead(input.graph, input.likelihoods, travel.direction, travel.facing, settings_.ways);
     const bool known = ahead.known;
     if (!known && turning_) {
-      ahead = turnsAhead(turned_, motion.turn < 0.0 ? -1.0 : 1.0, settings_.ways.reach);
+      ahead = turnsAhead(turned_, input.motion.turn < 0.0 ? -1.0 : 1.0, settings_.ways.reach);
     }
     const ThoughtPose pose{input.physical.position,
-                           headingOf(input.redirection.directionToPhysical(from))};
+                           headingOf(input.redirection.directionToPhysical(travel.facing))};
     const RoomValueSettings& prior = known ? settings_.building : settings_.plane;
     const WaySearch search(input.space, input.limits, known ? building_ : plane_, prior,
                            settings_.search);

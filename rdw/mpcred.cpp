@@ -58,17 +58,15 @@ class Mpcred final : public Controller {
   };
 
   void plan(const SteerInput& input) {
-    const Motion& motion = input.motion;
-    const glm::dvec2 facing = directionOf(input.virtualPose.heading);
-    const glm::dvec2 travel =
-        motion.walking ? input.redirection.directionToVirtual(motion.walkingDirection) : facing;
+    const Travel travel = travelOf(input.motion, input.virtualPose, input.redirection, false);
     WaysAheadSettings ways = settings_.ways;
     ways.reach = settings_.stageSeconds * settings_.speed * settings_.depth;
-    const WaysAhead ahead = waysAhead(input.graph, input.likelihoods, travel, travel, ways);
+    const WaysAhead ahead =
+        waysAhead(input.graph, input.likelihoods, travel.direction, travel.facing, ways);
     // The likeliest ways only: the tree has few branches. Of equally likely ones the first.
     std::array<bool, WaysAhead::kMost> taken{};
     const int branches = std::min(ahead.count, settings_.branches);
-    const double heading = headingOf(input.redirection.directionToPhysical(travel));
+    const double heading = headingOf(input.redirection.directionToPhysical(travel.facing));
     std::array<double, kActions> costs{};
     for (int b = 0; b < branches; ++b) {
       int likeliest = -1;

@@ -114,17 +114,12 @@ class Predictive final : public Controller {
   };
 
   void startPlan(const SteerInput& input, bool turning) {
-    const Motion& motion = input.motion;
-    const glm::dvec2 facing = directionOf(input.virtualPose.heading);
-    glm::dvec2 travel =
-        motion.walking ? input.redirection.directionToVirtual(motion.walkingDirection) : facing;
-    // Somebody who turns on the spot will walk where the turn leads: half a second of it.
-    if (turning) travel = rotated(facing, std::clamp(0.5 * motion.turnRate, -1.2, 1.2));
-    const glm::dvec2 from = turning ? facing : travel;
-    plan_.ahead = waysAhead(input.graph, input.likelihoods, travel, from, settings_.ways);
-    plan_.costs = ruleCosts(input, turning, from, travel, plan_.ahead);
+    const Travel travel = travelOf(input.motion, input.virtualPose, input.redirection, turning);
+    plan_.ahead =
+        waysAhead(input.graph, input.likelihoods, travel.direction, travel.facing, settings_.ways);
+    plan_.costs = ruleCosts(input, turning, travel.facing, travel.direction, plan_.ahead);
     plan_.position = input.physical.position;
-    plan_.heading = headingOf(input.redirection.directionToPhysical(from));
+    plan_.heading = headingOf(input.redirection.directionToPhysical(travel.facing));
     plan_.next = 0;
     plan_.turning = turning;
     plan_.pending = true;

@@ -193,7 +193,8 @@ class Session {
   /// Goes on where another session was, of the same world and settings: the next frame's virtual
   /// pose is that of the same map, so nothing jumps for the user, and a reset under way is
   /// finished. Without a controller all frames to come are the other session's to the bit. False,
-  /// and nothing changes, where a number is not finite or the floor is off the navmesh.
+  /// and nothing changes, where a number is not finite or beyond what frames lead to (1e7 m, 7
+  /// radians), or the floor is off the navmesh.
   [[nodiscard]] bool resume(const SessionState& state);
 
   /// Goes on in another world, where the user stays at the same place of virtual space: for worlds

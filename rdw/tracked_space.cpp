@@ -7,9 +7,12 @@
 #include <queue>
 #include <string>
 
+#include "navmesh/plan.h"
 #include "rdw/pose.h"
 
 namespace forewalk::rdw {
+
+using navmesh::cross;
 
 namespace {
 
@@ -20,7 +23,6 @@ constexpr double kSmallestArea = 0.01;       // m^2
 constexpr double kOnBorder = 1e-9;           // metres
 constexpr double kPolePrecision = 1e-3;      // metres
 
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 double dot(glm::dvec2 a, glm::dvec2 b) { return a.x * b.x + a.y * b.y; }
 double lengthOf(glm::dvec2 v) { return std::sqrt(dot(v, v)); }
 

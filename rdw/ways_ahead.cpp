@@ -123,6 +123,18 @@ LikelyWay& slotFor(WaysAhead& ahead) {
 
 }  // namespace
 
+Travel travelOf(const Motion& motion, const PlanarPose& virtualPose, const Redirection& redirection,
+                bool turning) {
+  constexpr double kFurthest = 1.2;  // radians
+  const glm::dvec2 facing = directionOf(virtualPose.heading);
+  if (turning) {
+    return {facing, rotated(facing, std::clamp(0.5 * motion.turnRate, -kFurthest, kFurthest))};
+  }
+  const glm::dvec2 direction =
+      motion.walking ? redirection.directionToVirtual(motion.walkingDirection) : facing;
+  return {direction, direction};
+}
+
 WaysAhead waysAhead(const PredictionGraph* graph, const WayLikelihoods& likelihoods,
                     glm::dvec2 direction, glm::dvec2 facing, const WaysAheadSettings& settings) {
   WaysAhead ahead;

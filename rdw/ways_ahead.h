@@ -12,6 +12,9 @@
 #include <span>
 
 #include "prediction/prediction_graph.h"
+#include "rdw/motion.h"
+#include "rdw/pose.h"
+#include "rdw/redirector.h"
 
 namespace forewalk::rdw {
 
@@ -60,6 +63,17 @@ struct WaysAhead {
   bool known = false;     ///< some way of the graph is among them
   double meanTurn = 0.0;  ///< expected sum of the turns ahead, virtual radians, left positive
 };
+
+/// Where somebody faces and travels in virtual space, unit vectors.
+struct Travel {
+  glm::dvec2 facing;
+  glm::dvec2 direction;
+};
+
+/// Of one frame: who walks faces where they walk; who stands faces where they look, and with
+/// `turning` (on the spot) travels where half a second of the turn leads.
+Travel travelOf(const Motion& motion, const PlanarPose& virtualPose, const Redirection& redirection,
+                bool turning);
 
 /// The ways of `graph` as somebody at its source sees them who faces unit vector `facing`
 /// (virtual), from which the first piece's turn is measured, and travels along unit vector

@@ -79,33 +79,6 @@ double sampleOf(const std::optional<std::string>& metrics, const std::string& na
                                  : std::strtod(metrics->c_str() + at + name.size() + 2, nullptr);
 }
 
-/// Somebody who walks up and down their room, looking about, and turns where they are told to.
-class Body {
- public:
-  explicit Body(unsigned number) : heading_(0.7 * number), phase_(number) {}
-
-  Frame next(std::uint32_t sequence, double dt, bool turning) {
-    seconds_ += dt;
-    if (turning) {
-      heading_ += 1.8 * dt;
-    } else {
-      heading_ += 0.5 * std::sin(0.4 * seconds_ + phase_) * dt;
-      position_ += 1.1 * dt * rdw::directionOf(heading_);
-    }
-    Frame frame;
-    frame.sequence = sequence;
-    frame.seconds = seconds_;
-    frame.head.position = navmesh::toSpace(glm::vec2(position_), 1.7f);
-    frame.head.orientation =
-        glm::quat(glm::dquat(std::cos(0.5 * heading_), 0.0, std::sin(0.5 * heading_), 0.0));
-    return frame;
-  }
-
- private:
-  glm::dvec2 position_{0.0};
-  double heading_, phase_, seconds_ = 0.0;
-};
-
 struct Round;
 
 /// One user's connection.
@@ -123,12 +96,12 @@ struct Client : std::enable_shared_from_this<Client> {
   unsigned number;
   websocket::stream<Socket, false> stream;
   beast::flat_buffer buffer;
-  Body body;
+  MadeUpBody body;
   Clock::time_point nextDue;
   std::deque<Clock::time_point> waiting;  ///< due, not yet sent
   std::deque<Clock::time_point> sent;     ///< when those were due that no answer has come to
   std::string out;
-  std::uint32_t sequence = 0, expected = 0;
+  std::uint32_t expected = 0;
   bool writing = false, begun = false, dead = false, turning = false;
   std::vector<std::pair<Frame, Answer>> checked;
   std::deque<Frame> asked;  ///< of checked sessions
@@ -214,7 +187,7 @@ void Client::sendNext() {
   const LoadSettings& settings = round.settings;
   const Clock::time_point when = waiting.front();
   waiting.pop_front();
-  const Frame frame = body.next(sequence++, 1.0 / settings.rate, turning);
+  const Frame frame = body.next(1.0 / settings.rate, turning);
   out = settings.json ? frameText(frame) : frameBytes(frame);
   if (number < settings.checked) asked.push_back(frame);
   if (secondsBetween(when, Clock::now()) > 1.0 / settings.rate) ++round.result.late;
@@ -331,6 +304,23 @@ tl::expected<void, Error> check(Round& round, std::shared_ptr<const navmesh::Wor
 }
 
 }  // namespace
+
+Frame MadeUpBody::next(double dt, bool turning) {
+  seconds_ += dt;
+  if (turning) {
+    heading_ += 1.8 * dt;
+  } else {
+    heading_ += 0.5 * std::sin(0.4 * seconds_ + phase_) * dt;
+    position_ += 1.1 * dt * rdw::directionOf(heading_);
+  }
+  Frame frame;
+  frame.sequence = sequence_++;
+  frame.seconds = seconds_;
+  frame.head.position = navmesh::toSpace(glm::vec2(position_), 1.7f);
+  frame.head.orientation =
+      glm::quat(glm::dquat(std::cos(0.5 * heading_), 0.0, std::sin(0.5 * heading_), 0.0));
+  return frame;
+}
 
 tl::expected<LoadResult, Error> runLoad(const LoadSettings& settings,
                                         std::shared_ptr<const navmesh::World> world) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <memory>
 #include <string>
 #include <tl/expected.hpp>
@@ -16,6 +17,21 @@
 #include "service/daemon/message.h"
 
 namespace forewalk::daemon {
+
+/// Somebody made up who walks up and down their room, looking about, and turns where they are told
+/// to; the same for the same `number`.
+class MadeUpBody {
+ public:
+  explicit MadeUpBody(unsigned number = 0) : heading_(0.7 * number), phase_(number) {}
+
+  /// `dt` seconds further on; the first frame has `sequence` 0, then 1, 2, ...
+  Frame next(double dt, bool turning);
+
+ private:
+  glm::dvec2 position_{0.0};
+  double heading_, phase_, seconds_ = 0.0;
+  std::uint32_t sequence_ = 0;
+};
 
 struct LoadSettings {
   std::string address = "127.0.0.1";

@@ -8,6 +8,7 @@
 #include "navmesh/funnel.h"
 #include "navmesh/locate.h"
 #include "navmesh/plan.h"
+#include "tests/support/counted_ways.h"
 #include "tests/support/map_mesh.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/random_start.h"
@@ -17,36 +18,13 @@ namespace {
 
 using navmesh::NavGraph;
 using testing::Cutting;
+using testing::Ways;
+using testing::waysOf;
 
 NavGraph graphOf(const navmesh::PolygonMesh& mesh) {
   auto graph = navmesh::makeNavGraph(mesh);
   EXPECT_TRUE(graph) << graph.error().message;
   return *graph;
-}
-
-// What a graph says in numbers.
-struct Ways {
-  std::size_t horizon = 0, deadEnds = 0, meetings = 0, branches = 0, joins = 0;
-
-  bool operator==(const Ways&) const = default;
-};
-
-std::ostream& operator<<(std::ostream& out, const Ways& ways) {
-  return out << ways.horizon << " to the horizon, " << ways.deadEnds << " dead ends, "
-             << ways.meetings << " meetings, " << ways.branches << " branches, " << ways.joins
-             << " joins";
-}
-
-Ways waysOf(const PredictionGraph& graph) {
-  Ways ways;
-  for (const Node& node : graph.nodes) {
-    ways.horizon += node.reason == TerminalReason::kHorizon;
-    ways.deadEnds += node.reason == TerminalReason::kDeadEnd;
-    ways.meetings += node.reason == TerminalReason::kMeeting;
-    ways.branches += node.branch;
-    ways.joins += node.kind == NodeKind::kJoin;
-  }
-  return ways;
 }
 
 // A floor whose ways are known by looking at it. `@` is the user.

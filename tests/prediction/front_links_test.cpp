@@ -18,6 +18,8 @@
 #include "prediction/front_graph.h"
 #include "prediction/likelihood.h"
 #include "tests/support/count_allocations.h"
+#include "tests/support/counted_ways.h"
+#include "tests/support/linked_world.h"
 #include "tests/support/map_mesh.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/random_start.h"
@@ -35,20 +37,10 @@ using navmesh::NavGraph;
 using navmesh::PolygonMesh;
 using navmesh::PolygonStates;
 using testing::Cutting;
-
-navmesh::World worldOf(const PolygonMesh& mesh) {
-  auto graph = navmesh::makeNavGraph(mesh);
-  if (!graph) throw std::runtime_error(graph.error().message);
-  return navmesh::makeWorld(std::move(*graph));
-}
-
-PolygonStates statesOf(const navmesh::World& world, const std::vector<Link>& links) {
-  auto made = navmesh::makeLinks(world.graph, world.locations, links);
-  if (!made) throw std::runtime_error(made.error().message);
-  PolygonStates states;
-  navmesh::setLinks(world.graph, std::move(*made), states);
-  return states;
-}
+using testing::statesOf;
+using testing::Ways;
+using testing::waysOf;
+using testing::worldOf;
 
 /// A floor and its links, and graphs by fronts on it.
 struct Linked {
@@ -442,31 +434,6 @@ TEST(FrontLinks, AllocateNothingAfterTheFirstFrames) {
 }
 
 // --- Known answers ---
-
-struct Ways {
-  std::size_t horizon = 0, deadEnds = 0, meetings = 0, branches = 0, joins = 0, links = 0;
-
-  bool operator==(const Ways&) const = default;
-};
-
-std::ostream& operator<<(std::ostream& out, const Ways& ways) {
-  return out << ways.horizon << " to the horizon, " << ways.deadEnds << " dead ends, "
-             << ways.meetings << " meetings, " << ways.branches << " branches, " << ways.joins
-             << " joins, " << ways.links << " times through a link";
-}
-
-Ways waysOf(const PredictionGraph& graph) {
-  Ways ways;
-  for (const Node& node : graph.nodes) {
-    ways.horizon += node.reason == TerminalReason::kHorizon;
-    ways.deadEnds += node.reason == TerminalReason::kDeadEnd;
-    ways.meetings += node.reason == TerminalReason::kMeeting;
-    ways.branches += node.branch;
-    ways.joins += node.kind == NodeKind::kJoin;
-  }
-  ways.links = graph.linkSteps.size();
-  return ways;
-}
 
 /// A floor whose ways are known by looking at it, and a link from `a` to `b`. `@` is the user.
 struct KnownScene {

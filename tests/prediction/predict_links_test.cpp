@@ -16,6 +16,7 @@
 #include "navmesh/world.h"
 #include "prediction/predict.h"
 #include "tests/support/count_allocations.h"
+#include "tests/support/linked_world.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/random_start.h"
 
@@ -32,12 +33,8 @@ using navmesh::Location;
 using navmesh::NavGraph;
 using navmesh::PolygonMesh;
 using navmesh::PolygonStates;
-
-navmesh::World worldOf(const PolygonMesh& mesh) {
-  auto graph = navmesh::makeNavGraph(mesh);
-  if (!graph) throw std::runtime_error(graph.error().message);
-  return navmesh::makeWorld(std::move(*graph));
-}
+using testing::statesOf;
+using testing::worldOf;
 
 PolygonMesh meshOf(std::uint64_t seed, int columns = 13, int rows = 11) {
   testing::RandomMeshOptions options;
@@ -45,14 +42,6 @@ PolygonMesh meshOf(std::uint64_t seed, int columns = 13, int rows = 11) {
   options.mergeShare = 0.1 * static_cast<double>(seed % 9);
   options.splitShare = 0.15 * static_cast<double>(seed % 5);
   return testing::randomMesh(seed, columns, rows, options);
-}
-
-PolygonStates statesOf(const navmesh::World& world, const std::vector<Link>& links) {
-  auto made = navmesh::makeLinks(world.graph, world.locations, links);
-  if (!made) throw std::runtime_error(made.error().message);
-  PolygonStates states;
-  navmesh::setLinks(world.graph, std::move(*made), states);
-  return states;
 }
 
 /// `count` links between places of the ground.

@@ -15,33 +15,17 @@
 #include "rdw/reset_ahead.h"
 #include "rdw/simulation.h"
 #include "tests/support/count_allocations.h"
+#include "tests/support/motions.h"
 #include "tests/support/random_mesh.h"
 
 namespace forewalk::rdw {
 namespace {
 
 using navmesh::uniform;
+using testing::turningOnTheSpot;
+using testing::walking;
 
 constexpr std::array<const char*, 3> kPlanners{"foresight", "mpcred", "force"};
-
-Motion walking(glm::dvec2 direction) {
-  Motion motion;
-  motion.dt = 1.0 / 60.0;
-  motion.step = direction / 60.0;
-  motion.distance = 1.0 / 60.0;
-  motion.speed = 1.0;
-  motion.walking = true;
-  motion.walkingDirection = direction;
-  return motion;
-}
-
-Motion turningOnTheSpot(double turn) {
-  Motion motion;
-  motion.dt = 1.0 / 60.0;
-  motion.turn = turn;
-  motion.turnRate = turn * 60.0;
-  return motion;
-}
 
 std::unique_ptr<Controller> prepared(const char* name, const TrackedSpace& room,
                                      const GainLimits& limits) {

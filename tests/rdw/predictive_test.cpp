@@ -9,35 +9,17 @@
 #include "navmesh/world.h"
 #include "prediction/predict.h"
 #include "tests/support/count_allocations.h"
+#include "tests/support/motions.h"
 #include "tests/support/random_mesh.h"
 
 namespace forewalk::rdw {
 namespace {
 
 using navmesh::uniform;
+using testing::turningOnTheSpot;
+using testing::walking;
 
 const GainLimits kLaboratory = *gainLimitsByName("laboratory");
-
-Motion walking(glm::dvec2 direction, double turn = 0.0) {
-  Motion motion;
-  motion.dt = 1.0 / 60.0;
-  motion.step = direction / 60.0;
-  motion.distance = 1.0 / 60.0;
-  motion.speed = 1.0;
-  motion.walking = true;
-  motion.walkingDirection = direction;
-  motion.turn = turn;
-  motion.turnRate = turn * 60.0;
-  return motion;
-}
-
-Motion turningOnTheSpot(double turn) {
-  Motion motion;
-  motion.dt = 1.0 / 60.0;
-  motion.turn = turn;
-  motion.turnRate = turn * 60.0;
-  return motion;
-}
 
 Gains steered(Controller& controller, const Motion& motion, const PlanarPose& body,
               const TrackedSpace& space, const prediction::PredictionGraph* graph = nullptr,

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,6 +12,7 @@
 #include "navmesh/build/build.h"
 #include "rdw/session.h"
 #include "service/daemon/daemon.h"
+#include "service/daemon/load.h"
 #include "service/daemon/message.h"
 #include "service/files.h"
 #include "tests/support/web_client.h"
@@ -52,34 +52,12 @@ inline std::unique_ptr<daemon::Daemon> startDaemon(daemon::DaemonSettings settin
   return std::move(*started);
 }
 
-/// Back and forth in the room, turning where told to; the same each time.
-class Body {
+/// Somebody who walks at 90 frames a second.
+class Body : public daemon::MadeUpBody {
  public:
-  explicit Body(unsigned number = 0) : heading_(0.7 * number), phase_(number) {}
-  daemon::Frame next(bool turning) {
-    constexpr double kDt = 1.0 / 90.0;
-    seconds_ += kDt;
-    if (turning) {
-      heading_ += 1.8 * kDt;
-    } else {
-      heading_ += 0.5 * std::sin(0.4 * seconds_ + phase_) * kDt;
-      position_ += 1.1 * kDt * rdw::directionOf(heading_);
-    }
-    daemon::Frame frame;
-    frame.sequence = sequence_++;
-    frame.seconds = seconds_;
-    frame.head.position = navmesh::toSpace(glm::vec2(position_), 1.7f);
-    frame.head.orientation =
-        glm::quat(glm::dquat(std::cos(0.5 * heading_), 0.0, std::sin(0.5 * heading_), 0.0));
-    return frame;
-  }
-
- private:
-  glm::dvec2 position_{0.0};
-  double heading_, phase_, seconds_ = 0.0;
-  std::uint32_t sequence_ = 0;
+  using daemon::MadeUpBody::MadeUpBody;
+  daemon::Frame next(bool turning) { return daemon::MadeUpBody::next(1.0 / 90.0, turning); }
 };
-
 inline const std::string kStart = R"("start":{"position":[7,0,12],"heading_deg":20})";
 
 inline std::string sessionWith(const std::string& controller) {
