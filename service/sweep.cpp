@@ -186,7 +186,7 @@ std::string toPlot(std::span<const SweepRow> rows, const std::string& sceneName)
   plot.xName = "horizon, m";
   plot.yName = "time per graph, µs";
   plot.series = {averages, medians, tails};
-  plot.notes.push_back(
+  plot.notes.emplace_back(
       "For comparison: 7.5 ms (7500 µs) on average up to 20 m in Azmandian et al. 2016 (Unity, "
       "their scene);");
   if (paper && paper->mean > 0) {
