@@ -13,13 +13,18 @@ elseif(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
 endif()
 
 # forewalk_precompile(room_headers LIBS fmt::fmt HEADERS <vector> ...) makes what others then take with
-# target_precompile_headers(navmesh REUSE_FROM room_headers). Theirs must be the flags of this target.
+# target_precompile_headers(navmesh REUSE_FROM room_headers). Their flags must be those of this target: position
+# independent as in a library or, with PROGRAMS, as in a program.
 function(forewalk_precompile name)
-  cmake_parse_arguments(arg "" "" "LIBS;HEADERS" ${ARGN})
+  cmake_parse_arguments(arg "PROGRAMS" "" "LIBS;HEADERS" ${ARGN})
   set(source ${PROJECT_BINARY_DIR}/${name}.cpp)
   file(CONFIGURE OUTPUT ${source} CONTENT "// Only so that the headers have a target.\n")
   add_library(${name} OBJECT EXCLUDE_FROM_ALL ${source})
   target_link_libraries(${name} PRIVATE ${arg_LIBS} project_options)
+  if(arg_PROGRAMS)
+    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${name} PRIVATE -fPIE)
+  endif()
   target_precompile_headers(${name} PRIVATE ${arg_HEADERS})
 endfunction()
 

@@ -15,7 +15,7 @@ forewalk_test(service/live_world_test.cpp LIBS forewalk::service)
 forewalk_test(service/walk_animation_test.cpp LIBS forewalk::service)
 forewalk_test(service/clip_file_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
-forewalk_test(service/walk_company_test.cpp LIBS forewalk::service fmt::fmt-header-only)
+forewalk_test(service/walk_company_test.cpp LIBS forewalk::service fmt::fmt)
 forewalk_test(service/crowd_run_test.cpp LIBS forewalk::service SQLite::SQLite3 nlohmann_json::nlohmann_json)
 forewalk_test(service/rimea_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
 forewalk_program_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
@@ -78,18 +78,11 @@ forewalk_test(service/daemon_message_test.cpp LIBS forewalk::daemon nlohmann_jso
 foreach(name daemon_test daemon_limits_test)
   forewalk_test(service/${name}.cpp LIBS forewalk::daemon web_client spdlog::spdlog nlohmann_json::nlohmann_json)
 endforeach()
-forewalk_test(service/serve_cli_test.cpp LIBS forewalk::daemon web_client spdlog::spdlog nlohmann_json::nlohmann_json)
-if(TARGET serve_cli_test)
-  add_dependencies(serve_cli_test forewalk)
-  target_compile_definitions(serve_cli_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
-endif()
+forewalk_program_test(service/serve_cli_test.cpp
+  LIBS forewalk::daemon web_client spdlog::spdlog nlohmann_json::nlohmann_json)
 
 # Crowds over a network.
-forewalk_test(service/crowd_network_test.cpp LIBS forewalk::service)
-if(TARGET crowd_network_test)
-  add_dependencies(crowd_network_test forewalk)
-  target_compile_definitions(crowd_network_test PRIVATE FOREWALK_PROGRAM="$<TARGET_FILE:forewalk>")
-endif()
+forewalk_program_test(service/crowd_network_test.cpp LIBS forewalk::service)
 
 # Experiments: many walks, their results and report.
 forewalk_test(service/experiment_test.cpp LIBS forewalk::service)
