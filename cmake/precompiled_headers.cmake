@@ -3,8 +3,7 @@
 # Only headers from outside: to change one of ours rebuilds no more than it did. Every file still includes what
 # it uses; builds through ccache, which needs looser settings to cache beside a precompiled header, do
 # without, and so would tell of one that does not.
-# Optimised builds do without as well: GCC 12 then sees array bounds passed that are not (service/sweep.cpp).
-if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES ccache OR CMAKE_BUILD_TYPE STREQUAL Release)
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES ccache)
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   # Out of a precompiled header GCC 12 forgets that the standard library is not ours to mend, and reports what its
