@@ -209,19 +209,14 @@ std::string manifestJson(const Manifest& manifest) {
   return json.dump(2) + '\n';
 }
 
-tl::expected<Manifest, Error> readManifest(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / "manifest.json";
-  const auto bytes = readFile(file);
-  if (!bytes) return tl::unexpected(bytes.error());
-  const auto json =
-      rdw::parseJson({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, file.string());
+tl::expected<Manifest, Error> parseManifest(std::string_view text, const std::string& name) {
+  const auto json = rdw::parseJson(text, name);
   if (!json) return tl::unexpected(json.error());
   try {
     if (json->at("format") != kManifestFormat) {
-      return tl::unexpected(
-          Error{ErrorCode::kFormatUnsupported,
-                fmt::format("{}: its format is {}, this program reads {}.", file.string(),
-                            json->at("format").dump(), kManifestFormat)});
+      return tl::unexpected(Error{ErrorCode::kFormatUnsupported,
+                                  fmt::format("{}: its format is {}, this program reads {}.", name,
+                                              json->at("format").dump(), kManifestFormat)});
     }
     Manifest manifest;
     manifest.version = json->at("version").get<std::string>();
@@ -235,11 +230,18 @@ tl::expected<Manifest, Error> readManifest(const std::filesystem::path& folder) 
           {input.at("file").get<std::string>(), std::strtoull(hash.c_str(), nullptr, 16)});
     }
     return manifest;
-  } catch (const nlohmann::json::exception& problem) {
-    return tl::unexpected(Error{
-        ErrorCode::kDataDamaged,
-        fmt::format("{}: is no manifest of an experiment ({}).", file.string(), problem.what())});
+  } catch (const nlohmann::json::exception&) {
+    return tl::unexpected(Error{ErrorCode::kDataDamaged,
+                                name + ": is no manifest of an experiment, or a part is missing."});
   }
+}
+
+tl::expected<Manifest, Error> readManifest(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "manifest.json";
+  const auto bytes = readFile(file);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return parseManifest({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
+                       file.string());
 }
 
 tl::expected<RowLog, Error> readRows(const std::filesystem::path& folder) {

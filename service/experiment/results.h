@@ -114,6 +114,11 @@ struct Manifest {
   bool operator==(const Manifest&) const;  ///< the same experiment, whichever shard
 };
 std::string manifestJson(const Manifest& manifest);
+/// `name` stands for the file in messages. Fails when it is no such file (kDataDamaged,
+/// kFormatUnsupported).
+[[nodiscard]] tl::expected<Manifest, Error> parseManifest(std::string_view text,
+                                                          const std::string& name);
+/// That of a folder. Fails as readFile and parseManifest do.
 [[nodiscard]] tl::expected<Manifest, Error> readManifest(const std::filesystem::path& folder);
 
 /// The rows that a folder holds, in the order of runs. A last line without its end was cut off by a
