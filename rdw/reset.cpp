@@ -11,6 +11,19 @@ namespace forewalk::rdw {
 namespace {
 
 constexpr int kFaceSteps = 36;  // directions looked at where a plan faces a wall
+constexpr double kNoHeading = std::numeric_limits<double>::quiet_NaN();
+
+ResetInstruction turnOf(int wanted) {
+  return wanted > 0   ? ResetInstruction::kTurnLeft
+         : wanted < 0 ? ResetInstruction::kTurnRight
+                      : ResetInstruction::kTurnAround;
+}
+
+// The way that is asked for or, either way, that has been begun.
+double remainingOf(const ResetPlan& plan, const ResetState& state) {
+  const bool left = state.wanted != 0 ? state.wanted > 0 : state.progress >= 0.0;
+  return left ? plan.left - state.progress : plan.right + state.progress;
+}
 
 /// The plan, or the freest way where it would end facing a border or somebody. Turns either way
 /// are what they are.
@@ -119,12 +132,13 @@ bool Reset::mustStop(const Around& around, Step& step) const {
 bool Reset::waitsFor(const Around& around, Step& step) {
   const bool stop = mustStop(around, step);
   if (state_.turning) return false;
-  if (backward_ != glm::dvec2(0.0)) {
+  if (!std::isnan(backward_)) {
     // Whoever has just stepped back still moves that way by the smoothed velocity: that is not a
     // walk to be stopped.
     const Motion& motion = around.motion;
-    if (motion.walking && glm::dot(motion.walkingDirection, backward_) > 0.0) return false;
-    backward_ = glm::dvec2(0.0);
+    if (motion.walking && glm::dot(motion.walkingDirection, directionOf(backward_)) > 0.0)
+      return false;
+    backward_ = kNoHeading;
   }
   if (around.motion.walking) resetsSinceWalk_ = 0;
   state_ = ResetState{};
@@ -133,27 +147,31 @@ bool Reset::waitsFor(const Around& around, Step& step) {
   return false;
 }
 
+ResetState Reset::underWay(const ResetPlan& plan, double progress, double back) {
+  ResetState state;
+  const bool left = std::isfinite(plan.left);
+  const bool right = std::isfinite(plan.right);
+  const double angle = left ? plan.left : plan.right;
+  state.turning = true;
+  state.wanted = left && right ? 0 : left ? 1 : -1;
+  state.gain = angle > 0.0 ? plan.seen / angle : 0.0;
+  state.back = back;
+  state.progress = progress;
+  state.remaining = remainingOf(plan, state);
+  state.instruction = back > 0.0 ? ResetInstruction::kStepBack : turnOf(state.wanted);
+  return state;
+}
+
 void Reset::begin(const ResetPlan& plan, const Motion& motion) {
   // The turn of this very frame belongs to the walk; the reset counts from the next one.
   plan_ = plan;
-  state_.turning = true;
-  const bool left = std::isfinite(plan.left);
-  const bool right = std::isfinite(plan.right);
-  state_.wanted = left && right ? 0 : left ? 1 : -1;
-  state_.remaining = left ? plan.left : plan.right;
-  state_.back = plan.back;
-  const double angle = state_.remaining;
-  state_.gain = angle > 0.0 ? plan.seen / angle : 0.0;
-  backward_ = glm::dvec2(0.0);
+  state_ = underWay(plan, 0.0, plan.back);
+  backward_ = kNoHeading;
   if (plan.back > 0.0 && motion.walking) {
-    backward_ = -motion.walkingDirection;
+    backward_ = headingOf(-motion.walkingDirection);
   } else if (plan.back > 0.0 && motion.distance > 0.0) {
-    backward_ = -motion.step / motion.distance;
+    backward_ = headingOf(-motion.step / motion.distance);
   }
-  state_.instruction = plan.back > 0.0     ? ResetInstruction::kStepBack
-                       : state_.wanted > 0 ? ResetInstruction::kTurnLeft
-                       : state_.wanted < 0 ? ResetInstruction::kTurnRight
-                                           : ResetInstruction::kTurnAround;
   ++count_;
   ++resetsSinceWalk_;
 }
@@ -163,10 +181,11 @@ void Reset::carryOn(const Motion& motion, Step& step) {
   if (!motion.usable()) return;  // heads that jumped or times that stood still turn nothing
   if (state_.back > 0.0) {
     step.yaw = -motion.turn;
-    state_.back = std::max(0.0, state_.back - glm::dot(motion.step, backward_));
+    const glm::dvec2 stepBack = std::isnan(backward_) ? glm::dvec2(0.0) : directionOf(backward_);
+    state_.back = std::max(0.0, state_.back - glm::dot(motion.step, stepBack));
     if (state_.back > 0.0) return;
     if (plan_.left > 0.0 && plan_.right > 0.0) {
-      state_.instruction = ResetInstruction::kTurnAround;
+      state_.instruction = turnOf(state_.wanted);
       return;
     }
     state_ = ResetState{};
@@ -179,8 +198,7 @@ void Reset::carryOn(const Motion& motion, Step& step) {
   const double scale = state_.gain - 1.0;
   step.yaw = scale * (after - before);
   state_.progress = after;
-  const bool left = state_.wanted != 0 ? state_.wanted > 0 : after >= 0.0;
-  state_.remaining = left ? plan_.left - after : plan_.right + after;
+  state_.remaining = remainingOf(plan_, state_);
   // Five degrees: a head that trembles has not begun to turn.
   if (state_.wanted == 0 && std::abs(after) > 0.087) {
     state_.direction = after > 0.0 ? 1 : -1;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "rdw/motion.h"
@@ -44,6 +45,7 @@ enum class ResetInstruction : std::uint8_t {
   kTurnLeft,     ///< stop and turn left on the spot, `remaining` to go
   kTurnRight,
 };
+inline constexpr ResetInstruction kLastInstruction = ResetInstruction::kTurnRight;
 
 /// A short English sentence for each.
 std::string_view sentenceOf(ResetInstruction instruction);
@@ -103,15 +105,24 @@ class Reset {
   /// What the next frame depends on, and back: frames after resume() go on to the bit.
   struct Memory {
     ResetState state;
+    ResetPlan plan;                                              ///< of the reset under way
+    double backward = std::numeric_limits<double>::quiet_NaN();  ///< heading of stepping back,
+                                                                 ///< physical radians; NaN: none
     std::uint64_t count = 0;
     int sinceWalk = 0;  ///< resets begun since the user last walked
   };
-  Memory memory() const { return {state_, count_, resetsSinceWalk_}; }
+  Memory memory() const { return {state_, plan_, backward_, count_, resetsSinceWalk_}; }
   void resume(const Memory& memory) {
     state_ = memory.state;
+    plan_ = memory.plan;
+    backward_ = memory.backward;
     count_ = memory.count;
     resetsSinceWalk_ = memory.sinceWalk;
   }
+
+  /// What state() is while a reset goes by `plan`, `progress` radians turned (left positive) and
+  /// `back` metres left to step back; its direction and instruction are those of a turn not begun.
+  static ResetState underWay(const ResetPlan& plan, double progress, double back);
 
   /// Length of floor at `speed` m/s at which a reset begins, metres.
   double stoppingDistance(double speed) const;
@@ -134,7 +145,7 @@ class Reset {
   ResetSettings settings_;
   ResetState state_;
   ResetPlan plan_;
-  glm::dvec2 backward_{0.0};  // unit vector of stepping back
+  double backward_ = std::numeric_limits<double>::quiet_NaN();  // heading of stepping back, or NaN
   std::uint64_t count_ = 0;
   int resetsSinceWalk_ = 0;  ///< begun since the user last walked
 };

@@ -166,16 +166,26 @@ SessionState Session::state() const {
 bool Session::resume(const SessionState& state) {
   const Redirection& map = state.redirection;
   const MotionTracker::Memory& motion = state.motion;
+  const ResetPlan& plan = state.reset.plan;
   // What frames can have led to, generously: heads are within 1000 km of the origin.
-  constexpr double kFarthest = 1e7, kWidest = 7.0;
-  for (const double length : {map.offset.x, map.offset.y, map.height, motion.position.x,
-                              motion.position.y, motion.velocity.x, motion.velocity.y}) {
+  constexpr double kFarthest = 1e7, kWidest = 7.0, kMostSeen = 100.0;
+  for (const double length :
+       {map.offset.x, map.offset.y, map.height, motion.position.x, motion.position.y,
+        motion.velocity.x, motion.velocity.y, plan.back, state.reset.state.back}) {
     if (!(std::abs(length) <= kFarthest)) return false;
   }
   for (const double angle :
        {map.yaw, motion.heading, state.reset.state.progress, state.reset.state.remaining}) {
     if (!(std::abs(angle) <= kWidest)) return false;
   }
+  for (const double angle : {plan.left, plan.right}) {
+    if (!(angle >= 0.0 && (angle <= kWidest || angle == ResetPlan::kNever))) return false;
+  }
+  if (!(std::min(plan.left, plan.right) <= kWidest && std::abs(plan.seen) <= kMostSeen)) {
+    return false;
+  }
+  const double backward = state.reset.backward;
+  if (!(std::isnan(backward) || std::abs(backward) <= kWidest)) return false;
   if (!std::isfinite(motion.seconds)) return false;
   std::uint32_t flags = kFrameSound;
   const HeadPose physical = cleaned(state.physical, HeadPose{}, flags);
@@ -196,6 +206,7 @@ bool Session::resume(const SessionState& state) {
   redirector_.align(map);
   tracker_.resume(motion);
   reset_.resume(state.reset);
+  resetGain_ = state.reset.state.gain;
   controller_->restart();
   return true;
 }

@@ -27,7 +27,9 @@ static_assert(std::endian::native == std::endian::little,
               "binary messages are little-endian; a big-endian machine has to swap here");
 
 constexpr std::uint8_t kKindFrame = 1, kKindAnswer = 2;
-constexpr std::string_view kInstructions[] = {"none", "turn_around", "keep_turning", "walk_back"};
+constexpr std::string_view kInstructions[] = {
+    "none", "turn_around", "keep_turning", "walk_back", "step_back", "turn_left", "turn_right"};
+static_assert(std::size(kInstructions) == static_cast<std::size_t>(rdw::kLastInstruction) + 1);
 
 tl::unexpected<Error> refuse(std::string message, ErrorCode code = ErrorCode::kDataDamaged) {
   return tl::unexpected(Error{code, std::move(message)});

@@ -7,6 +7,8 @@
 #include <openssl/rand.h>
 #include <openssl/sha.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -16,11 +18,13 @@
 namespace forewalk::daemon {
 namespace {
 
-constexpr std::uint8_t kTokenVersion = 1;
-constexpr std::size_t kMacBytes = 32;
+constexpr std::uint8_t kTokenVersion = 2;
+constexpr std::size_t kMacBytes = 16;
+constexpr std::size_t kDigestBytes = 32;
 constexpr std::size_t kStateBytes = kTokenBytes - kMacBytes;
 
-constexpr std::uint8_t kStarted = 1, kWalking = 2, kTurning = 4, kSnapped = 8;
+constexpr std::uint8_t kStarted = 1, kWalking = 2, kTurning = 4, kSnapped = 8, kFrozen = 16,
+                       kStepsBack = 32;
 
 // Little-endian, as the machine is (message.cpp asserts it).
 struct Layout {
@@ -28,15 +32,18 @@ struct Layout {
   std::uint8_t bits;
   std::int8_t direction;
   std::uint8_t instruction;
-  std::uint32_t resetsSinceWalk;
+  std::uint8_t resetsSinceWalk;
+  std::int8_t turnsSeen;  // whole turns that the reset under way shows
+  std::uint16_t reserved;
   std::uint8_t navMesh[8];
   std::uint64_t sessionId;
   double yaw, offsetX, offsetY, height;           // redirection
   double velocityX, velocityY, heading, seconds;  // motion
-  double progress;                                // of the reset; what remains follows from it
-  float positionX, positionY;                     // of the motion: they were floats before
-  float head[7];                                  // x y z, x y z w
-  float planX, planY, floorHeight;                // where the feet are
+  double progress;  // of the reset: radians turned or, kStepsBack, metres left to step back
+  double left, right, backward;     // its plan, and the heading of stepping back
+  float positionX, positionY;       // of the motion: they were floats before
+  float head[7];                    // x y z, x y z w
+  float planX, planY, floorHeight;  // where the feet are
   std::uint32_t polygon;
   std::uint32_t resetCount;
 };
@@ -49,14 +56,18 @@ tl::unexpected<Error> refuse(std::string message, ErrorCode code = ErrorCode::kD
 Layout layoutOf(const TokenState& token, const NavMeshHash& navMesh) {
   const rdw::SessionState& state = token.state;
   const rdw::ResetState& reset = state.reset.state;
+  const rdw::ResetPlan& plan = state.reset.plan;
+  const bool stepsBack = reset.turning && reset.back > 0.0;  // before anything is turned
   Layout out{};
   out.version = kTokenVersion;
   out.bits = static_cast<std::uint8_t>(
       (state.motion.started ? kStarted : 0) | (state.motion.walking ? kWalking : 0) |
-      (reset.turning ? kTurning : 0) | (state.location.snapped ? kSnapped : 0));
+      (reset.turning ? kTurning : 0) | (state.location.snapped ? kSnapped : 0) |
+      (state.reset.plan.frozen ? kFrozen : 0) | (stepsBack ? kStepsBack : 0));
   out.direction = static_cast<std::int8_t>(reset.direction);
   out.instruction = static_cast<std::uint8_t>(reset.instruction);
-  out.resetsSinceWalk = static_cast<std::uint32_t>(state.reset.sinceWalk);
+  out.resetsSinceWalk = static_cast<std::uint8_t>(std::min(state.reset.sinceWalk, 255));
+  out.turnsSeen = static_cast<std::int8_t>(std::lround(plan.seen / (2.0 * rdw::kPi)));
   std::memcpy(out.navMesh, navMesh.data(), navMesh.size());
   out.sessionId = token.sessionId;
   out.yaw = state.redirection.yaw;
@@ -67,7 +78,10 @@ Layout layoutOf(const TokenState& token, const NavMeshHash& navMesh) {
   out.velocityY = state.motion.velocity.y;
   out.heading = state.motion.heading;
   out.seconds = state.motion.seconds;
-  out.progress = reset.progress;
+  out.progress = stepsBack ? reset.back : reset.progress;
+  out.left = plan.left;
+  out.right = plan.right;
+  out.backward = state.reset.backward;
   out.positionX = static_cast<float>(state.motion.position.x);
   out.positionY = static_cast<float>(state.motion.position.y);
   const glm::vec3& p = state.physical.position;
@@ -99,11 +113,19 @@ TokenState tokenOf(const Layout& in) {
   state.motion.seconds = in.seconds;
   state.motion.started = (in.bits & kStarted) != 0;
   state.motion.walking = (in.bits & kWalking) != 0;
+  const bool stepsBack = (in.bits & kStepsBack) != 0;
+  rdw::ResetPlan& plan = state.reset.plan;
+  plan.left = in.left;
+  plan.right = in.right;
+  plan.seen = in.turnsSeen * (2.0 * rdw::kPi);
+  plan.frozen = (in.bits & kFrozen) != 0;
+  plan.back = stepsBack ? in.progress : 0.0;
+  state.reset.backward = in.backward;
   rdw::ResetState& reset = state.reset.state;
-  reset.turning = (in.bits & kTurning) != 0;
+  if ((in.bits & kTurning) != 0) {
+    reset = rdw::Reset::underWay(plan, stepsBack ? 0.0 : in.progress, plan.back);
+  }
   reset.direction = in.direction;
-  reset.progress = in.progress;
-  reset.remaining = reset.turning ? rdw::kPi - std::abs(in.progress) : 0.0;
   reset.instruction = static_cast<rdw::ResetInstruction>(in.instruction);
   state.reset.count = in.resetCount;
   state.reset.sinceWalk = static_cast<int>(in.resetsSinceWalk);
@@ -149,13 +171,13 @@ struct TokenSigner::Mac {
   }
 
   /// Over the first kStateBytes of `bytes`.
-  void of(const char* bytes, unsigned char (&mac)[kMacBytes]) {
+  void of(const char* bytes, unsigned char (&mac)[kDigestBytes]) {
     std::size_t size = 0;
     // Without a key: again with the one before, which is worked in already.
     require(EVP_MAC_init(context, nullptr, 0, nullptr) == 1);
     require(EVP_MAC_update(context, reinterpret_cast<const unsigned char*>(bytes), kStateBytes) ==
             1);
-    require(EVP_MAC_final(context, mac, &size, kMacBytes) == 1 && size == kMacBytes);
+    require(EVP_MAC_final(context, mac, &size, kDigestBytes) == 1 && size == kDigestBytes);
   }
 
   EVP_MAC* algorithm = EVP_MAC_fetch(nullptr, "HMAC", nullptr);
@@ -170,7 +192,7 @@ TokenSigner::~TokenSigner() = default;
 void TokenSigner::sign(const TokenState& state, std::string& token) {
   const Layout layout = layoutOf(state, navMesh_);
   token.assign(reinterpret_cast<const char*>(&layout), kStateBytes);
-  unsigned char mac[kMacBytes];
+  unsigned char mac[kDigestBytes];
   mac_->of(token.data(), mac);
   token.append(reinterpret_cast<const char*>(mac), kMacBytes);
 }
@@ -180,7 +202,7 @@ tl::expected<TokenState, Error> TokenSigner::open(std::string_view token) {
     return refuse(fmt::format("token: {} bytes; a token has {}. Begin without one.", token.size(),
                               kTokenBytes));
   }
-  unsigned char mac[kMacBytes];
+  unsigned char mac[kDigestBytes];
   mac_->of(token.data(), mac);
   if (CRYPTO_memcmp(mac, token.data() + kStateBytes, kMacBytes) != 0) {
     return refuse(
@@ -201,7 +223,8 @@ tl::expected<TokenState, Error> stateFromBytes(std::string_view bytes, const Nav
   }
   Layout layout;
   std::memcpy(&layout, bytes.data(), kStateBytes);
-  if (layout.version != kTokenVersion || layout.instruction > 3) {
+  if (layout.version != kTokenVersion ||
+      layout.instruction > static_cast<int>(rdw::kLastInstruction)) {
     return refuse(fmt::format("token: version {}; this daemon reads {}. Begin without a token.",
                               layout.version, kTokenVersion),
                   ErrorCode::kFormatUnsupported);

@@ -1,7 +1,9 @@
 // A session's state as a signed token: what a client hands to the next daemon to go on where it
 // was.
 //
-//   152 bytes of state (state_token.cpp says which) | HMAC-SHA256 over them
+//   176 bytes of state (state_token.cpp says which) | the first 16 of HMAC-SHA256 over them
+//
+// (RFC 2104, section 5, allows half of it; nobody can try tokens but against a daemon.)
 //
 // Any daemon with the same key and the same navmesh takes it. It is not encrypted: it holds the
 // client's own poses. Nobody without the key can make or change one, so its numbers are trusted as
@@ -34,7 +36,7 @@ struct TokenState {
   rdw::SessionState state;
 };
 
-inline constexpr std::size_t kTokenBytes = 184;  ///< 246 letters in base64url
+inline constexpr std::size_t kTokenBytes = 192;  ///< 256 letters in base64url
 static_assert((kTokenBytes * 4 + 2) / 3 <= 256);
 
 inline constexpr std::size_t kLeastKeyBytes = 32;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string_view>
+#include <utility>
 
 #include "navmesh/build/build.h"
 
@@ -21,8 +23,10 @@ std::shared_ptr<const navmesh::World> office() {
   return world;
 }
 
-SessionSettings settingsWith(const char* controller) {
+SessionSettings settingsWith(const char* controller,
+                             std::string_view reset = resetNames().front()) {
   SessionSettings settings;
+  settings.resetPolicy = reset;
   settings.controller = controller;
   settings.start = VirtualStart{{7.0f, 0.0f, 12.0f}, 0.4f};
   return settings;
@@ -37,8 +41,10 @@ struct Body {
   HeadPose step(const FrameResult& last, int frame) {
     constexpr double kDt = 1.0 / 90.0;
     seconds += kDt;
-    if (last.reset.turning) {
-      heading += 1.6 * kDt;
+    if (last.reset.turning && last.reset.back > 0.0) {
+      position -= 0.7 * kDt * directionOf(heading);
+    } else if (last.reset.turning) {
+      heading += (last.reset.wanted < 0 ? -1.6 : 1.6) * kDt;
     } else {
       heading += 0.3 * std::sin(0.01 * frame) * kDt;
       position += 1.1 * kDt * directionOf(heading);
@@ -55,28 +61,36 @@ bool same(const FrameResult& a, const FrameResult& b) {
   return a.virtualPose.position == b.virtualPose.position &&
          a.virtualPose.orientation == b.virtualPose.orientation && a.gains == b.gains &&
          a.flags == b.flags && a.reset.turning == b.reset.turning &&
-         a.reset.progress == b.reset.progress && a.resetCount == b.resetCount &&
+         a.reset.progress == b.reset.progress && a.reset.remaining == b.reset.remaining &&
+         a.reset.back == b.reset.back && a.reset.wanted == b.reset.wanted &&
+         a.reset.instruction == b.reset.instruction && a.resetCount == b.resetCount &&
          a.location == b.location;
 }
 
 TEST(SessionState, GoesOnToTheBitInAnotherSession) {
-  // Without a controller all state travels: exchanged every 97 frames, through walks and resets.
-  Session whole = Session::make(office(), settingsWith("none")).value();
-  Session parts = Session::make(office(), settingsWith("none")).value();
-  Body body;
-  std::uint64_t resets = 0;
-  for (int frame = 0; frame < 6000; ++frame) {
-    const HeadPose head = body.step(whole.result(), frame);
-    whole.frame(head, body.seconds);
-    parts.frame(head, body.seconds);
-    ASSERT_TRUE(same(whole.result(), parts.result())) << "frame " << frame;
-    resets = whole.result().resetCount;
-    if (frame % 97 != 96) continue;
-    Session next = Session::make(office(), settingsWith("none")).value();
-    ASSERT_TRUE(next.resume(parts.state()));
-    parts = std::move(next);
+  // Without a controller all state travels: exchanged every 61 frames, through walks and resets of
+  // every kind.
+  for (const std::string_view reset : resetNames()) {
+    const SessionSettings settings = settingsWith("none", reset);
+    Session whole = Session::make(office(), settings).value();
+    Session parts = Session::make(office(), settings).value();
+    Session spare = Session::make(office(), settings).value();
+    Body body;
+    int exchangedInResets = 0;
+    for (int frame = 0; frame < 4000; ++frame) {
+      const HeadPose head = body.step(whole.result(), frame);
+      whole.frame(head, body.seconds);
+      parts.frame(head, body.seconds);
+      ASSERT_TRUE(same(whole.result(), parts.result())) << reset << ", frame " << frame;
+      if (frame % 61 != 60) continue;
+      exchangedInResets += whole.result().reset.turning ? 1 : 0;
+      // The one that takes over has memories of its own, of 61 frames ago; at first none.
+      ASSERT_TRUE(spare.resume(parts.state())) << reset;
+      std::swap(parts, spare);
+    }
+    EXPECT_GE(whole.result().resetCount, 5u) << reset;
+    EXPECT_GE(exchangedInResets, 5) << reset;
   }
-  EXPECT_GE(resets, 5u);
 }
 
 TEST(SessionState, MovesNobodyWhateverTheController) {
@@ -120,6 +134,12 @@ TEST(SessionState, IsRefusedWhereItCannotBe) {
   EXPECT_TRUE(refused([](SessionState& s) { s.reset.state.progress = 1e3; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.motion.seconds = INFINITY; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.reset.state.progress = kNan; }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.reset.plan.left = -1.0; }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.reset.plan.left = kNan; }));
+  EXPECT_TRUE(
+      refused([](SessionState& s) { s.reset.plan.left = s.reset.plan.right = ResetPlan::kNever; }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.reset.state.back = kNan; }));
+  EXPECT_TRUE(refused([](SessionState& s) { s.reset.backward = 1e3; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.physical.position.x = NAN; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.location.plan = {1e4f, 0.0f}; }));
   EXPECT_TRUE(refused([](SessionState& s) { s.location.plan.x = NAN; }));

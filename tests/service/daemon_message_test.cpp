@@ -70,7 +70,7 @@ TEST(DaemonMessage, SaysTheSameInBothForms) {
     answer.injectedYaw = anyFloat(random);
     answer.injectedTranslation = {anyFloat(random), anyFloat(random)};
     answer.resetting = i % 2 == 0;
-    answer.instruction = static_cast<rdw::ResetInstruction>(i % 4);
+    answer.instruction = static_cast<rdw::ResetInstruction>(i % 7);
     answer.resetRemaining = anyFloat(random);
     answer.resetTurned = anyFloat(random);
     answer.resetCount = static_cast<std::uint32_t>(random());
@@ -94,6 +94,9 @@ TEST(DaemonMessage, SaysTheSameInBothForms) {
               answer.injectedTranslation.y);
     EXPECT_EQ(json["reset"]["turning"], answer.resetting);
     EXPECT_EQ(json["reset"]["count"], answer.resetCount);
+    constexpr const char* kNames[] = {"none",      "turn_around", "keep_turning", "walk_back",
+                                      "step_back", "turn_left",   "turn_right"};
+    EXPECT_EQ(json["reset"]["instruction"], kNames[i % 7]);
     EXPECT_EQ(fromBase64Url(json.value("token", "")).value(), token);
   }
 }
@@ -202,13 +205,20 @@ TokenState anyState(std::mt19937_64& random) {
   state.motion.seconds = real();
   state.motion.started = random() % 2 == 0;
   state.motion.walking = random() % 2 == 0;
-  state.reset.state.turning = random() % 2 == 0;
-  state.reset.state.direction = static_cast<int>(random() % 3) - 1;
-  state.reset.state.progress = std::fmod(real(), 3.0);
-  if (state.reset.state.turning) {
-    state.reset.state.remaining = rdw::kPi - std::abs(state.reset.state.progress);
+  rdw::ResetPlan& plan = state.reset.plan;
+  const auto way = random() % 3;
+  plan.left = way == 0 ? rdw::ResetPlan::kNever : std::fmod(std::abs(real()), 6.0);
+  plan.right = way == 1 ? rdw::ResetPlan::kNever : std::fmod(std::abs(real()), 6.0);
+  plan.seen = static_cast<double>(random() % 3) * 2.0 * rdw::kPi;
+  plan.frozen = random() % 2 == 0;
+  state.reset.backward = std::fmod(real(), 3.0);
+  if (random() % 2 == 0) {
+    plan.back = random() % 2 == 0 ? std::fmod(std::abs(real()), 2.0) : 0.0;
+    const double progress = plan.back > 0.0 ? 0.0 : std::fmod(real(), 3.0);
+    state.reset.state = rdw::Reset::underWay(plan, progress, plan.back);
   }
-  state.reset.state.instruction = static_cast<rdw::ResetInstruction>(random() % 4);
+  state.reset.state.direction = static_cast<int>(random() % 3) - 1;
+  state.reset.state.instruction = static_cast<rdw::ResetInstruction>(random() % 7);
   state.reset.count = static_cast<std::uint32_t>(random());
   state.reset.sinceWalk = static_cast<int>(random() % 4);
   return token;
