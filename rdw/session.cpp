@@ -67,7 +67,8 @@ Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings se
       policy_(std::move(policy)),
       tracker_(settings_.motion),
       reset_(settings_.reset),
-      chest_(std::numeric_limits<double>::quiet_NaN()) {
+      chest_(std::numeric_limits<double>::quiet_NaN()),
+      gaze_(chest_) {
   others_.reserve(kMostOthers);
   PreparedWorld prepared = prepareWorld(world_, settings_.prediction, settings_.method,
                                         std::exchange(settings_.frontIndex, nullptr),
@@ -76,7 +77,7 @@ Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings se
   frontIndex_ = std::move(prepared.frontIndex);
   frontScratch_ = std::move(prepared.frontScratch);
   states_ = std::move(prepared.states);
-  if (controller_->wantsLikelihoods() || policy_->wantsLikelihoods()) {
+  if (settings_.alwaysLikely || controller_->wantsLikelihoods() || policy_->wantsLikelihoods()) {
     likelihood_ = std::make_unique<prediction::WayLikelihood>(settings_.likelihood);
   }
 }
@@ -311,7 +312,12 @@ void Session::predict() {
   if (likelihood_ == nullptr) return;
   // Who is turned round by a reset looks everywhere and means nothing by it.
   prediction::Evidence evidence{result_.motion.dt, std::nullopt, std::nullopt};
-  if (!reset_.state().turning) evidence.head = directionOf(result_.virtualPlan.heading);
+  if (!reset_.state().turning) {
+    evidence.head = directionOf(result_.virtualPlan.heading);
+    if (std::isfinite(gaze_)) {
+      evidence.gaze = directionOf(gaze_ + redirector_.redirection().yaw);
+    }
+  }
   likelihood_->update(graph, evidence);
   result_.likelihoods = {likelihood_->probabilities(), likelihood_->none()};
 }

@@ -51,8 +51,10 @@ struct SessionSettings {
   prediction::Method method = prediction::Method::kPolygon;
   prediction::FrontSettings front;
 
-  /// Which way people take, for controllers that want to know.
+  /// Which way people take, for controllers that want to know; with `alwaysLikely` in every frame
+  /// that has a graph, even where the controller does not ask (to draw it, to judge it).
   prediction::LikelihoodParameters likelihood;
+  bool alwaysLikely = false;
 
   /// For graphs by fronts: the world's index, where it has been made for another session already.
   /// None: the session makes its own.
@@ -172,6 +174,8 @@ class Session {
   const SessionSettings& settings() const { return settings_; }
   const navmesh::World& world() const { return *world_; }
   const std::shared_ptr<const navmesh::World>& sharedWorld() const { return world_; }
+  /// What works out result().likelihoods, with the names of the ways; null where nobody wants them.
+  const prediction::WayLikelihood* likelihood() const { return likelihood_.get(); }
   const Controller& controller() const { return *controller_; }
   const ResetPolicy& resetPolicy() const { return *policy_; }
 
@@ -182,6 +186,10 @@ class Session {
 
   /// Where the user's chest points from the next frame on, physical radians; not a number: unknown.
   void setChest(double heading) { chest_ = heading; }
+
+  /// Where the user's eyes look from the next frame on, physical radians: evidence for the
+  /// likelihoods. Not a number: unknown.
+  void setGaze(double heading) { gaze_ = heading; }
 
   /// Puts the user's next frame at another virtual place, looking along its heading (a teleport, a
   /// lift). False, and nothing changes, where it is off the navmesh.
@@ -235,7 +243,7 @@ class Session {
   SteeringHold hold_;
   double resetGain_ = 2.0;  // of the reset under way
   std::vector<OtherUser> others_;
-  double chest_;                       // NaN: unknown
+  double chest_, gaze_;                // NaN: unknown
   HeadPose physical_;                  ///< the last sound one
   std::optional<PlanarPose> pending_;  ///< virtual pose that the next frame's head is put at
   navmesh::Location location_;

@@ -101,4 +101,15 @@ forewalk_pose poseTo(forewalk_axes axes, const rdw::HeadPose& ours) {
   }
 }
 
+navmesh::Link linkFrom(forewalk_axes axes, const forewalk_link& theirs) {
+  return {navmesh::LinkId{theirs.id},      positionFrom(axes, theirs.entry),
+          positionFrom(axes, theirs.exit), theirs.length,
+          theirs.both_ways != 0,           theirs.closed == 0};
+}
+
+navmesh::Standing standingFrom(forewalk_axes axes, const forewalk_standing& theirs) {
+  return {positionFrom(axes, theirs.foot), theirs.radius,
+          theirs.cost == 0.0f ? navmesh::kClosed : theirs.cost};
+}
+
 }  // namespace forewalk::capi

@@ -8,6 +8,8 @@
 
 #include <glm/glm.hpp>
 
+#include "navmesh/links.h"
+#include "navmesh/standing.h"
 #include "rdw/pose.h"
 #include "service/capi/forewalk.h"
 
@@ -34,6 +36,10 @@ glm::vec3 positionFrom(forewalk_axes axes, forewalk_vec3 theirs);
 forewalk_vec3 positionTo(forewalk_axes axes, glm::vec3 ours);
 rdw::HeadPose poseFrom(forewalk_axes axes, const forewalk_pose& theirs);
 forewalk_pose poseTo(forewalk_axes axes, const rdw::HeadPose& ours);
+
+/// What worlds that move are told, of their axes.
+navmesh::Link linkFrom(forewalk_axes axes, const forewalk_link& theirs);
+navmesh::Standing standingFrom(forewalk_axes axes, const forewalk_standing& theirs);
 
 /// Of a turn that is +1 radian in `axes` ours is angleSign() radians, and the other way round.
 inline float angleSign(forewalk_axes axes) { return axes == FOREWALK_AXES_OPENXR ? 1.0f : -1.0f; }

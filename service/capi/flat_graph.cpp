@@ -26,6 +26,12 @@ static_assert(FOREWALK_REASON_DEAD_END == static_cast<int>(prediction::TerminalR
 static_assert(FOREWALK_NODE_JOIN == static_cast<int>(prediction::NodeKind::kJoin));
 static_assert(FOREWALK_REASON_MEETING == static_cast<int>(prediction::TerminalReason::kMeeting));
 static_assert(prediction::index(prediction::kNoNode) == kNone);
+static_assert(prediction::index(prediction::kNoWay) == kNone);
+static_assert(FOREWALK_WAY_BIRTH == static_cast<int>(prediction::WayChange::kBirth));
+static_assert(FOREWALK_WAY_DEATH == static_cast<int>(prediction::WayChange::kDeath));
+static_assert(FOREWALK_WAY_SPLIT == static_cast<int>(prediction::WayChange::kSplit));
+static_assert(FOREWALK_WAY_MERGE == static_cast<int>(prediction::WayChange::kMerge));
+static_assert(FOREWALK_WAY_RETURN == static_cast<int>(prediction::WayChange::kReturn));
 static_assert(navmesh::index(navmesh::kNoPolygon) == kNone);
 
 // Of the `count` largest.
@@ -49,6 +55,9 @@ std::size_t pointsAcross(const NavGraph& graph, std::uint32_t polygon) {
 
 FlatGraph::FlatGraph(const NavGraph& graph, std::uint32_t polygons, prediction::Method method)
     : method_(method) {
+  const prediction::WayTrackerSettings most;
+  ways_.reserve(most.ways);
+  events_.reserve(2 * most.ways);
   const std::size_t count = std::min(polygons, graph.polygonCount());
   if (method == prediction::Method::kPolygon) {
     reserveForPolygons(graph, count);
@@ -89,6 +98,9 @@ void FlatGraph::clear() {
   points_.clear();
   fronts_.clear();
   widths_.clear();
+  ways_.clear();
+  events_.clear();
+  none_ = 1.0f;
 }
 
 void FlatGraph::flatten(const NavGraph& navGraph, const PredictionGraph& graph,
@@ -117,6 +129,25 @@ void FlatGraph::flatten(const NavGraph& navGraph, const PredictionGraph& graph,
   }
 }
 
+void FlatGraph::addWays(const prediction::WayLikelihood& likelihood) {
+  const auto probabilities = likelihood.probabilities();
+  for (std::size_t i = 0; i < likelihood.ways().size(); ++i) {
+    const prediction::TrackedWay& way = likelihood.ways()[i];
+    ways_.push_back({.id = prediction::index(way.id),
+                     .node = prediction::index(way.terminal),
+                     .likelihood = static_cast<float>(probabilities[i]),
+                     .born = way.born,
+                     .reserved = {}});
+  }
+  for (const prediction::WayEvent& event : likelihood.tracker().events()) {
+    events_.push_back({.way = prediction::index(event.way),
+                       .other = prediction::index(event.other),
+                       .change = static_cast<forewalk_way_change>(event.change),
+                       .reserved = {}});
+  }
+  none_ = static_cast<float>(likelihood.none());
+}
+
 void FlatGraph::addEdge(const NavGraph& navGraph, const PredictionGraph& graph,
                         const prediction::Edge& edge, forewalk_axes axes) {
   prediction::liftEdge(navGraph, graph, edge, portals_, lifted_);
@@ -143,7 +174,13 @@ forewalk_graph_view FlatGraph::view() const {
           .fronts = fronts_.data(),
           .widths = widths_.data(),
           .front_count = static_cast<std::uint32_t>(fronts_.size()),
-          .method = static_cast<forewalk_method>(method_)};
+          .method = static_cast<forewalk_method>(method_),
+          .ways = ways_.data(),
+          .way_events = events_.data(),
+          .way_count = static_cast<std::uint32_t>(ways_.size()),
+          .way_event_count = static_cast<std::uint32_t>(events_.size()),
+          .likelihood_none = none_,
+          .reserved = 0};
 }
 
 }  // namespace forewalk::capi

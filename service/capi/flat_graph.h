@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "navmesh/nav_graph.h"
+#include "prediction/likelihood.h"
 #include "prediction/prediction_graph.h"
 #include "service/capi/forewalk.h"
 
@@ -22,6 +23,9 @@ class FlatGraph {
   void flatten(const navmesh::NavGraph& navGraph, const prediction::PredictionGraph& graph,
                forewalk_axes axes);
 
+  /// Adds the names and likelihoods of the ways of the graph that was flattened last.
+  void addWays(const prediction::WayLikelihood& likelihood);
+
   void clear();
 
   /// The arrays live until the next flatten() or clear().
@@ -39,7 +43,10 @@ class FlatGraph {
   std::vector<forewalk_edge> edges_;
   std::vector<forewalk_vec3> points_;
   std::vector<forewalk_front> fronts_;
-  std::vector<float> widths_;           // one an edge
+  std::vector<float> widths_;  // one an edge
+  std::vector<forewalk_way> ways_;
+  std::vector<forewalk_way_event> events_;
+  float none_ = 1.0f;
   std::vector<std::uint32_t> portals_;  // of the edge at hand
   std::vector<glm::vec3> lifted_;       // of the edge at hand
 };

@@ -9,6 +9,8 @@
  *   forewalk_session  one user: tracked space, limits, controller, horizon. Any thread, but one at
  *                     a time: calls on one session must not overlap. Different sessions may run at
  *                     the same time, on one navmesh, too.
+ *   forewalk_space    a tracked room that several users share: their sessions keep them apart.
+ *   forewalk_world    where one can walk while doors, obstacles and people come and go.
  *
  * Two spaces: physical is the tracking system's (the real room, its floor at height 0), virtual is
  * the scene's. Each frame a session is told the physical head and answers with the virtual one.
@@ -88,6 +90,30 @@ enum {
  * after a call that failed: a call that succeeds leaves it as it is. The text lives until the
  * thread's next failing call, or its end; copy it, do not free it. */
 FOREWALK_API const char* forewalk_last_error(void);
+
+/* ---- log ------------------------------------------------------------------------------------ */
+
+typedef int32_t forewalk_log_level;
+enum {
+  FOREWALK_LOG_OFF = 0,
+  FOREWALK_LOG_ERROR = 1, /* a call failed: the sentence that forewalk_last_error gives */
+  FOREWALK_LOG_WARNING =
+      2,                /* a frame met what it had to make up for: lost poses, no floor, limits */
+  FOREWALK_LOG_INFO = 3 /* navmeshes and sessions made, resets begun and ended */
+};
+
+/* Told what happens, one sentence at a time (UTF-8, without a line's end), on the thread that made
+ * the call, from within it; forewalk_frame, too. Must not call forewalk. `message` lives until it
+ * returns. There are no poses in it. */
+typedef void (*forewalk_log_function)(void* user, forewalk_log_level level, const char* message);
+
+/* For the whole process, in the place of the one before; `function` null or `most`
+ * FOREWALK_LOG_OFF: nobody is told, as at first. Messages of levels up to `most` are told. Call it
+ * while no other thread is in a call: a call that has begun may still tell the one before.
+ * A message costs a microsecond and allocates nothing; what is the same again frame after frame is
+ * told once. */
+FOREWALK_API void forewalk_set_log(forewalk_log_function function, void* user,
+                                   forewalk_log_level most);
 
 /* ---- plain values --------------------------------------------------------------------------- */
 
@@ -205,7 +231,7 @@ enum {
   FOREWALK_CONTROLLER_S2O = 2,            /* steer-to-orbit as published */
   FOREWALK_CONTROLLER_S2C_PREDICTIVE = 3, /* the same fed by the prediction graph; the default */
   FOREWALK_CONTROLLER_S2O_PREDICTIVE = 4,
-  FOREWALK_CONTROLLER_S2MT = 5,        /* the rest as rdw/controllers/README.md says */
+  FOREWALK_CONTROLLER_S2MT = 5, /* the rest as rdw/controllers/README.md says */
   FOREWALK_CONTROLLER_S2MT_CENTRE = 6,
   FOREWALK_CONTROLLER_ZIGZAG = 7,
   FOREWALK_CONTROLLER_P2R = 8,
@@ -257,6 +283,46 @@ typedef struct forewalk_point2 {
   float right, forward;
 } forewalk_point2;
 
+/* A room that several people share, each with a session of their own: in one virtual world or in
+ * several, whatever axes they speak. What one session's frame finds out, where its user is and
+ * goes, the others see in their next frame and keep clear of. */
+typedef struct forewalk_space forewalk_space;
+
+typedef struct forewalk_space_settings {
+  uint32_t struct_size;
+  forewalk_axes axes;
+  /* As in forewalk_session_settings. */
+  const forewalk_point2* border;
+  size_t border_count;
+  float width, depth;
+  const forewalk_point2* hole_points;
+  const size_t* hole_sizes;
+  size_t hole_count;
+  float body_radius; /* how near the middles of two bodies may come, metres, (0, 5]; default 0.5 */
+  uint32_t user_limit; /* most sessions at one time, 1 to 64; default 16 */
+} forewalk_space_settings;
+
+FOREWALK_API void forewalk_space_settings_init(
+    forewalk_space_settings* settings); /* null is fine */
+
+/* `settings` may be null: defaults. On success *space is the caller's to release, on failure null.
+ * Fails as forewalk_session_create does for a tracked space. Costs some microseconds. */
+FOREWALK_API forewalk_status forewalk_space_create(const forewalk_space_settings* settings,
+                                                   forewalk_space** space);
+
+/* One owner more, one less; the last release frees the space. Thread-safe, O(1). Sessions are
+ * owners of their own. */
+FOREWALK_API void forewalk_space_retain(forewalk_space* space);  /* null is fine */
+FOREWALK_API void forewalk_space_release(forewalk_space* space); /* null is fine */
+
+/* What a heading is taken from by controllers that follow one. */
+typedef int32_t forewalk_heading_source;
+enum {
+  FOREWALK_HEADING_HEAD = 0,   /* where the head looks; the default */
+  FOREWALK_HEADING_CHEST = 1,  /* forewalk_session_set_chest; the head where nothing was told */
+  FOREWALK_HEADING_WALKING = 2 /* the direction of travel while walking, else the head */
+};
+
 typedef struct forewalk_session_settings {
   uint32_t struct_size;
   forewalk_axes axes;
@@ -304,6 +370,14 @@ typedef struct forewalk_session_settings {
 
   forewalk_reset reset;
   uint32_t reserved2; /* 0 */
+
+  int32_t likelihoods; /* 0: only where the controller asks for them, so that the graph view names
+                          no ways with the others; default 1. Some microseconds a frame */
+  forewalk_heading_source heading_source;
+
+  /* A room that others are in as well, in the place of border, width and holes, which are then not
+   * to be given (0). The session takes one of its places until it is destroyed. Default null. */
+  forewalk_space* space;
 } forewalk_session_settings;
 
 FOREWALK_API void forewalk_session_settings_init(
@@ -311,8 +385,9 @@ FOREWALK_API void forewalk_session_settings_init(
 
 /* `settings` may be null: defaults. On success *session is the caller's to destroy, on failure
  * null. Fails for settings that cannot work (FOREWALK_ERROR_SETTING_OUT_OF_RANGE, _DATA_DAMAGED or
- * _TOO_LARGE for the tracked space, _ARGUMENT) and for a start_floor that is more than 0.5 m
- * beside, above or below every walkable floor (_POSITION_OFF_NAVMESH).
+ * _TOO_LARGE for the tracked space, _ARGUMENT), for a start_floor that is more than 0.5 m
+ * beside, above or below every walkable floor (_POSITION_OFF_NAVMESH), and for a space that has no
+ * place left (_TOO_LARGE).
  *
  * With a predictive controller this takes 0.05 to 0.15 s: what every place and heading of the
  * tracked space is worth is worked out once, here. Make such sessions while loading, or on another
@@ -334,6 +409,17 @@ enum {
   FOREWALK_INSTRUCTION_STEP_BACK = 4,    /* stop, and step backwards */
   FOREWALK_INSTRUCTION_TURN_LEFT = 5,    /* stop, and turn left on the spot */
   FOREWALK_INSTRUCTION_TURN_RIGHT = 6    /* stop, and turn right on the spot */
+};
+
+/* What a reset is at, for an application that draws one. */
+typedef int32_t forewalk_reset_phase;
+enum {
+  FOREWALK_RESET_PHASE_NONE = 0,
+  FOREWALK_RESET_PHASE_NEAR = 1,     /* the border is near: a reset is about to be needed */
+  FOREWALK_RESET_PHASE_OUTSIDE = 2,  /* outside the tracked space: to walk back in */
+  FOREWALK_RESET_PHASE_BACKWARD = 3, /* stopped: reset_back to step backwards */
+  FOREWALK_RESET_PHASE_TURN = 4,     /* stopped: to turn by reset_remaining, not begun yet */
+  FOREWALK_RESET_PHASE_TURNING = 5   /* the turn is under way */
 };
 
 /* Bits of forewalk_frame_out.flags. The first five also mean that no gain was applied. */
@@ -373,6 +459,12 @@ typedef struct forewalk_frame_out {
   uint32_t graph_nodes;  /* of this frame's prediction graph, 0 where there is none */
   float predict_seconds; /* time spent: finding the place and the graph */
   float steer_seconds;   /* and choosing and applying gains */
+
+  forewalk_reset_phase reset_phase;
+  float reset_back;              /* metres to step back before the turn, >= 0 */
+  forewalk_vec3 reset_direction; /* where the user will face when the turn is done: a horizontal
+                                    unit vector of the tracked space; zero while there is no turn.
+                                    Draw an arrow there that moves with the room, not the scene */
 } forewalk_frame_out;
 
 /* One frame: the tracked head in the tracking system's space (its floor at height 0), and the time
@@ -400,6 +492,16 @@ FOREWALK_API forewalk_status forewalk_frame(forewalk_session* session, forewalk_
  * tracked room. Costs a few microseconds. */
 FOREWALK_API forewalk_status forewalk_session_teleport(forewalk_session* session,
                                                        forewalk_vec3 floor, float heading);
+
+/* Where the eyes look from the next frame on, a direction of the tracked space of any length:
+ * evidence for the likelihoods (forewalk_way). Null, zero, vertical or not finite: not known, as at
+ * first. Fails only for a null session. Costs nothing. */
+FOREWALK_API forewalk_status forewalk_session_set_gaze(forewalk_session* session,
+                                                       const forewalk_vec3* direction);
+
+/* The same for where the chest points, which FOREWALK_HEADING_CHEST steers by. */
+FOREWALK_API forewalk_status forewalk_session_set_chest(forewalk_session* session,
+                                                        const forewalk_vec3* direction);
 
 /* ---- the prediction graph ------------------------------------------------------------------- */
 
@@ -452,6 +554,32 @@ typedef struct forewalk_front {
   forewalk_vec3 from, to;
 } forewalk_front;
 
+/* A way from the user to a terminal, under a name that it keeps from frame to frame as long as it
+ * is the same way, and how likely it is that the user takes it. */
+typedef struct forewalk_way {
+  uint32_t id;      /* never used twice by one session */
+  uint32_t node;    /* the terminal it leads to */
+  float likelihood; /* [0, 1]; all ways' and likelihood_none sum to 1 */
+  uint8_t born;     /* 1: new in this frame */
+  uint8_t reserved[3];
+} forewalk_way;
+
+typedef uint8_t forewalk_way_change;
+enum {
+  FOREWALK_WAY_BIRTH = 0, /* `way` is new and comes from nowhere known */
+  FOREWALK_WAY_DEATH = 1, /* `way` is gone and none took its place */
+  FOREWALK_WAY_SPLIT = 2, /* `way` is new; up to now it was one with `other` */
+  FOREWALK_WAY_MERGE = 3, /* `way` is gone; from now on it is one with `other` */
+  FOREWALK_WAY_RETURN = 4 /* `way` is back that had vanished a moment ago */
+};
+
+typedef struct forewalk_way_event {
+  uint32_t way;
+  uint32_t other; /* UINT32_MAX unless a split or a merge */
+  forewalk_way_change change;
+  uint8_t reserved[3];
+} forewalk_way_event;
+
 /* This frame's graph as flat arrays, in the session's axes. Owned by the session; they live until
  * its next call of forewalk_frame, forewalk_graph or forewalk_session_destroy. Copy them for
  * another thread. */
@@ -472,6 +600,14 @@ typedef struct forewalk_graph_view {
                           _METHOD_POLYGON, and where a way begins and ends in points */
   uint32_t front_count;
   forewalk_method method; /* that it was made by */
+
+  const forewalk_way* ways; /* one a terminal, in the order of nodes, 512 at most; none where nobody
+                               wants likelihoods (forewalk_session_settings) */
+  const forewalk_way_event* way_events; /* of this frame alone: ask in every frame to miss none */
+  uint32_t way_count;
+  uint32_t way_event_count;
+  float likelihood_none; /* that the user takes none of the ways */
+  uint32_t reserved;
 } forewalk_graph_view;
 
 /* The graph that the latest forewalk_frame predicted. No nodes before the first frame, and where
@@ -484,7 +620,13 @@ FOREWALK_API forewalk_status forewalk_graph(forewalk_session* session, forewalk_
 
 /* ---- worlds that move ----------------------------------------------------------------------- */
 
-/* The three calls below come between frames, on the session's thread, and allocate. */
+/* Two ways. A forewalk_world is told what changes, from any thread, rebuilds what it must on a
+ * thread of its own, and the sessions made in it take the newest finished version in their next
+ * frame, without waiting. Or an application builds navmeshes itself and hands them over. */
+
+/* The three calls below come between frames, on the session's thread, and allocate. They are for
+ * sessions on a forewalk_navmesh; those in a forewalk_world are told through it
+ * (FOREWALK_ERROR_ARGUMENT here). */
 
 /* A way that is not floor: a lift, a ladder, a teleport. Graphs lead through it: to the entry,
  * `length` metres, and on from the exit. In an edge's path its two ends follow each other. With
@@ -507,8 +649,8 @@ FOREWALK_API forewalk_status forewalk_session_set_links(forewalk_session* sessio
  * more; in the middle of a room they block none. */
 typedef struct forewalk_standing {
   forewalk_vec3 foot; /* in the session's axes */
-  float radius;       /* of the floor that others cannot use: theirs and the walker's, > 0, metres */
-  float cost;         /* 0: closed; else 1 to 1e6 metres for each metre through the polygon */
+  float radius; /* of the floor that others cannot use: theirs and the walker's, > 0, metres */
+  float cost;   /* 0: closed; else 1 to 1e6 metres for each metre through the polygon */
 } forewalk_standing;
 
 /* Says who stands where, all of them, in the place of those before. Fails, and changes nothing,
@@ -523,6 +665,109 @@ FOREWALK_API forewalk_status forewalk_session_set_standing(forewalk_session* ses
  * standing are found again; a link without floor leads nowhere. Costs O(polygons). */
 FOREWALK_API forewalk_status forewalk_session_enter(forewalk_session* session,
                                                     const forewalk_navmesh* navmesh);
+
+typedef struct forewalk_world forewalk_world;
+
+/* A door, or any part of the floor that opens, closes or costs more: a convex outline on the floor,
+ * 3 to 64 corners, either way round. */
+typedef struct forewalk_door {
+  uint32_t id;
+  int32_t open; /* 1: as if it were not there */
+  const forewalk_vec3* corners;
+  size_t corner_count;
+  float
+      height; /* floor from 0.5 m under the lowest corner to so many metres over it; 0: 2 metres */
+  float cost; /* of one that is not open; 0: nobody goes through; else 1 to 1e6 metres for each
+                 metre */
+} forewalk_door;
+
+typedef int32_t forewalk_shape;
+enum {
+  FOREWALK_SHAPE_BOX = 0,      /* upright, turned about its vertical axis */
+  FOREWALK_SHAPE_CYLINDER = 1, /* upright */
+  FOREWALK_SHAPE_PRISM = 2     /* a convex outline drawn up, 3 to 64 corners, either way round */
+};
+
+/* Something that takes floor: furniture, a barrier, a robot. One that can be stepped over or passed
+ * under takes none; nobody walks on top of one. What a shape does not name is not read. */
+typedef struct forewalk_obstacle {
+  uint32_t id; /* one of its own */
+  forewalk_shape shape;
+  forewalk_vec3 position;       /* box: its middle; cylinder: the middle of its lower end */
+  forewalk_vec3 half_size;      /* box, along the axes before it is turned, > 0 */
+  float heading;                /* box, radians, sign as forewalk_axes says */
+  float radius;                 /* cylinder, metres, > 0 */
+  float height;                 /* cylinder and prism, metres, > 0 */
+  const forewalk_vec3* corners; /* prism: of its lower end, at the height of the lowest */
+  size_t corner_count;
+} forewalk_obstacle;
+
+typedef struct forewalk_world_settings {
+  uint32_t struct_size;
+  forewalk_axes axes;                   /* of everything that this world is told */
+  const forewalk_build_settings* build; /* null: defaults. With a tile of 0: 6.4 m */
+  const forewalk_door* doors; /* that there will be: the floor is cut along their outlines, so that
+                                 a door closes what it covers and no more. Default none */
+  size_t door_count;
+} forewalk_world_settings;
+
+FOREWALK_API void forewalk_world_settings_init(
+    forewalk_world_settings* settings); /* null is fine */
+
+/* Builds as forewalk_navmesh_from_file and forewalk_navmesh_from_triangles do, from a scene (a
+ * .fwmesh holds no geometry to build from again: FOREWALK_ERROR_FORMAT_UNSUPPORTED), and starts a
+ * thread. `settings` may be null: defaults. On success *world is the caller's to release, on
+ * failure null. */
+FOREWALK_API forewalk_status forewalk_world_from_file(const char* path,
+                                                      const forewalk_world_settings* settings,
+                                                      forewalk_world** world);
+FOREWALK_API forewalk_status forewalk_world_from_triangles(
+    const float* vertices, size_t vertex_count, const uint32_t* indices, size_t index_count,
+    const forewalk_world_settings* settings, forewalk_world** world);
+
+/* One owner more, one less; the last release ends its thread, which may take one tile's time.
+ * Thread-safe. Sessions are owners of their own. */
+FOREWALK_API void forewalk_world_retain(forewalk_world* world);  /* null is fine */
+FOREWALK_API void forewalk_world_release(forewalk_world* world); /* null is fine */
+
+/* The calls below may be made on any thread, but not within a frame's time budget: they lock. Each
+ * fails, and changes nothing, for numbers that are out of range or not finite. */
+
+/* Obstacles that come, or move to where they are now; those of one call are seen at once. Their
+ * tiles are rebuilt off the frame: a moved obstacle is in the graph some 20 ms later. */
+FOREWALK_API forewalk_status forewalk_world_set_obstacles(forewalk_world* world,
+                                                          const forewalk_obstacle* obstacles,
+                                                          size_t count);
+/* One that is not there may go, too. */
+FOREWALK_API forewalk_status forewalk_world_remove_obstacle(forewalk_world* world, uint32_t id);
+
+/* A door as it is now, in the place of the one with its id. Seen by frames that begin after the
+ * call; no tile is rebuilt. */
+FOREWALK_API forewalk_status forewalk_world_set_door(forewalk_world* world,
+                                                     const forewalk_door* door);
+
+/* A link, in the place of the one with its id; one that is not there may go, too. As
+ * forewalk_session_set_links. */
+FOREWALK_API forewalk_status forewalk_world_set_link(forewalk_world* world,
+                                                     const forewalk_link* link);
+FOREWALK_API forewalk_status forewalk_world_remove_link(forewalk_world* world, uint32_t id);
+
+/* Who stands where, all of them, in the place of those before. As forewalk_session_set_standing. */
+FOREWALK_API forewalk_status forewalk_world_set_standing(forewalk_world* world,
+                                                         const forewalk_standing* standing,
+                                                         size_t count);
+
+/* Waits until all changes so far are to be seen. Fails with the reason of the last one that could
+ * not be carried out: then the floor is as before it. */
+FOREWALK_API forewalk_status forewalk_world_wait(forewalk_world* world);
+
+/* Ascending from 1 with every change that is to be seen; 0 for null. */
+FOREWALK_API uint64_t forewalk_world_version(const forewalk_world* world);
+
+/* As forewalk_session_create, in a world that moves. Its frames take the newest version, which
+ * costs them one location. forewalk_graph allocates where a version has larger graphs. */
+FOREWALK_API forewalk_status forewalk_session_create_in_world(
+    forewalk_world* world, const forewalk_session_settings* settings, forewalk_session** session);
 
 #ifdef __cplusplus
 }

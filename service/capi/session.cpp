@@ -1,33 +1,19 @@
 #include "rdw/session.h"
 
-#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
-#include <string_view>
+#include <limits>
+#include <string>
 #include <utility>
-#include <vector>
 
-#include "navmesh/standing.h"
 #include "rdw/frame_flags.h"
 #include "service/capi/axes.h"
-#include "service/capi/flat_graph.h"
+#include "service/capi/log.h"
 #include "service/capi/navmesh_handle.h"
+#include "service/capi/session_handle.h"
+#include "service/capi/session_settings.h"
 #include "service/capi/status.h"
-
-struct forewalk_session {
-  forewalk_session(forewalk::rdw::Session made, forewalk_axes spoken)
-      : session(std::move(made)),
-        axes(spoken),
-        graph(session.world().graph, session.settings().prediction.polygons,
-              session.settings().method) {}
-
-  forewalk::rdw::Session session;
-  std::vector<forewalk::navmesh::Link> links;
-  std::vector<forewalk::navmesh::Standing> standing;
-  forewalk_axes axes;
-  forewalk::capi::FlatGraph graph;
-  bool graphIsThisFrames = false;
-};
 
 namespace forewalk::capi {
 
@@ -60,176 +46,33 @@ static_assert(FOREWALK_INSTRUCTION_TURN_LEFT == static_cast<int>(rdw::ResetInstr
 static_assert(FOREWALK_INSTRUCTION_TURN_RIGHT ==
               static_cast<int>(rdw::ResetInstruction::kTurnRight));
 
-static_assert(FOREWALK_METHOD_POLYGON == static_cast<int>(prediction::Method::kPolygon));
-static_assert(FOREWALK_METHOD_FRONT == static_cast<int>(prediction::Method::kFront));
-
-constexpr float kDefaultSide = 4.0f;  // of the tracked space, metres
-
-// In the order of their constants.
-constexpr std::string_view kControllers[] = {
-    "none",   "s2c",        "s2o",       "s2c-predictive", "s2o-predictive", "s2mt",
-    "s2mt+c", "zigzag",     "p2r",       "messinger",      "dynamic-apf",    "haptics",
-    "arc",    "visibility", "foresight", "mpcred",         "force"};
-constexpr std::string_view kResets[] = {
-    "two-one-turn", "freeze-turn", "freeze-backup", "r2c", "mr2c", "r2g", "sfr2g", "r2fd", "ahead"};
-static_assert(std::size(kControllers) == FOREWALK_CONTROLLER_FORCE + 1);
-static_assert(std::size(kResets) == FOREWALK_RESET_AHEAD + 1);
-constexpr std::string_view kLimits[] = {"steinicke", "laboratory", "neth", "toolkit"};
-
-forewalk_session_settings defaultSessionSettings() {
-  const rdw::SessionSettings ours;
-  const rdw::GainLimits& limits = ours.limits;
-  forewalk_session_settings settings{};
-  settings.struct_size = sizeof settings;
-  settings.axes = FOREWALK_AXES_OPENXR;
-  settings.controller = FOREWALK_CONTROLLER_S2C_PREDICTIVE;
-  settings.limits = FOREWALK_LIMITS_STEINICKE;
-  settings.horizon = ours.horizon;
-  settings.translation_min = limits.translationMin;
-  settings.translation_max = limits.translationMax;
-  settings.rotation_min = limits.rotationMin;
-  settings.rotation_max = limits.rotationMax;
-  settings.curvature_max = limits.curvatureMax;
-  settings.bending_min = limits.bendingMin;
-  settings.bending_max = limits.bendingMax;
-  settings.polygon_limit = ours.prediction.polygons;
-  settings.resets = 1;
-  settings.always_predict = 1;
-  settings.method = static_cast<forewalk_method>(ours.method);
-  settings.persistence = ours.front.persistence;
-  return settings;
-}
-
-tl::unexpected<Error> outOfRange(std::string message) {
-  return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
-}
-
-forewalk_status unknownConstant(const char* field, std::int32_t value, int last) {
-  return fail(FOREWALK_ERROR_ARGUMENT,
-              "forewalk_session_settings: " + std::string(field) + " " + std::to_string(value) +
-                  " is no constant of this version (0 to " + std::to_string(last) + ").");
-}
-
-// Right and forward are the plan's two axes in every convention; only the unit differs.
-glm::dvec2 planFrom(forewalk_axes axes, forewalk_point2 theirs) {
-  const double unit = unitsPerMetre(axes);
-  return {static_cast<double>(theirs.right) / unit, static_cast<double>(theirs.forward) / unit};
-}
-
-tl::expected<rdw::TrackedSpace, Error> spaceOf(const forewalk_session_settings& settings) {
-  const forewalk_axes axes = settings.axes;
-  if (settings.border_count == 0 && settings.hole_count == 0) {
-    const double unit = unitsPerMetre(axes);
-    const auto side = [&](float theirs) {
-      return theirs == 0.0f ? static_cast<double>(kDefaultSide)
-                            : static_cast<double>(theirs) / unit;
-    };
-    return rdw::TrackedSpace::rectangle(side(settings.width), side(settings.depth));
-  }
-  if (settings.border_count == 0) {
-    return outOfRange(
-        "forewalk_session_settings: holes without a border. Give the border's points.");
-  }
-  std::vector<glm::dvec2> border;
-  border.reserve(settings.border_count);
-  for (std::size_t i = 0; i < settings.border_count; ++i) {
-    border.push_back(planFrom(axes, settings.border[i]));
-  }
-  std::vector<std::vector<glm::dvec2>> holes(settings.hole_count);
-  const forewalk_point2* next = settings.hole_points;
-  for (std::size_t hole = 0; hole < settings.hole_count; ++hole) {
-    for (std::size_t i = 0; i < settings.hole_sizes[hole]; ++i) {
-      holes[hole].push_back(planFrom(axes, *next++));
-    }
-  }
-  return rdw::TrackedSpace::polygon(border, holes);
-}
-
-// More corners than TrackedSpace takes are counted, not read.
-constexpr std::size_t kMostCorners = 4096;
-
-// FOREWALK_OK, or the refusal of what cannot even be read.
-forewalk_status checkForm(const forewalk_session_settings& settings) {
-  if (settings.axes < FOREWALK_AXES_OPENXR || settings.axes > FOREWALK_AXES_UNREAL) {
-    return unknownConstant("axes", settings.axes, FOREWALK_AXES_UNREAL);
-  }
-  if (settings.controller < FOREWALK_CONTROLLER_NONE ||
-      settings.controller > FOREWALK_CONTROLLER_FORCE) {
-    return unknownConstant("controller", settings.controller, FOREWALK_CONTROLLER_FORCE);
-  }
-  if (settings.reset < FOREWALK_RESET_TWO_ONE_TURN || settings.reset > FOREWALK_RESET_AHEAD) {
-    return unknownConstant("reset", settings.reset, FOREWALK_RESET_AHEAD);
-  }
-  if (settings.limits < FOREWALK_LIMITS_STEINICKE || settings.limits > FOREWALK_LIMITS_CUSTOM) {
-    return unknownConstant("limits", settings.limits, FOREWALK_LIMITS_CUSTOM);
-  }
-  if (settings.method < FOREWALK_METHOD_POLYGON || settings.method > FOREWALK_METHOD_FRONT) {
-    return unknownConstant("method", settings.method, FOREWALK_METHOD_FRONT);
-  }
-  if ((settings.border == nullptr && settings.border_count > 0) ||
-      ((settings.hole_points == nullptr || settings.hole_sizes == nullptr) &&
-       settings.hole_count > 0)) {
-    return failLiteral(FOREWALK_ERROR_ARGUMENT,
-                       "forewalk_session_settings: border, hole_points or hole_sizes is null while "
-                       "its count is not 0.");
-  }
-  std::size_t corners = settings.border_count;
-  for (std::size_t i = 0; corners <= kMostCorners && i < settings.hole_count; ++i) {
-    // A hole of no points cannot be; counted as one, a wild hole_count ends here, too.
-    corners += std::max<std::size_t>(1, std::min(settings.hole_sizes[i], kMostCorners + 1));
-  }
-  if (corners > kMostCorners) {
-    return fail(FOREWALK_ERROR_TOO_LARGE,
-                "forewalk_session_settings: the tracked space has more than " +
-                    std::to_string(kMostCorners) + " points. Simplify it.");
-  }
-  return FOREWALK_OK;
-}
-
-rdw::GainLimits limitsOf(const forewalk_session_settings& settings) {
-  if (settings.limits != FOREWALK_LIMITS_CUSTOM) {
-    return rdw::gainLimitsByName(kLimits[settings.limits]).value();
-  }
-  return {.translationMin = settings.translation_min,
-          .translationMax = settings.translation_max,
-          .rotationMin = settings.rotation_min,
-          .rotationMax = settings.rotation_max,
-          .curvatureMax = settings.curvature_max,
-          .bendingMin = settings.bending_min,
-          .bendingMax = settings.bending_max};
-}
-
-rdw::VirtualStart startFrom(forewalk_axes axes, forewalk_vec3 floor, float heading) {
-  return {positionFrom(axes, floor), angleSign(axes) * heading};
-}
-
-// Settings whose form is sound.
-tl::expected<rdw::Session, Error> makeSession(const forewalk_navmesh& navmesh,
-                                              const forewalk_session_settings& settings) {
-  auto space = spaceOf(settings);
-  if (!space) return tl::unexpected(space.error());
-  rdw::SessionSettings ours;
-  ours.space = std::move(*space);
-  ours.limits = limitsOf(settings);
-  ours.controller = kControllers[settings.controller];
-  ours.horizon = settings.horizon;
-  ours.alwaysPredict = settings.always_predict != 0;
-  if (settings.has_start != 0) {
-    ours.start = startFrom(settings.axes, settings.start_floor, settings.start_heading);
-  }
-  ours.prediction.polygons = settings.polygon_limit;
-  ours.resets = settings.resets != 0;
-  ours.resetPolicy = kResets[settings.reset];
-  ours.method = static_cast<prediction::Method>(settings.method);
-  ours.front.persistence = settings.persistence;
-  if (ours.method == prediction::Method::kFront) ours.frontIndex = navmesh.frontIndex();
-  return rdw::Session::make(navmesh.world, std::move(ours));
-}
-
 using Clock = std::chrono::steady_clock;
 
 float secondsBetween(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<float>(to - from).count();
+}
+
+forewalk_reset_phase phaseOf(const rdw::FrameResult& result) {
+  const rdw::ResetState& reset = result.reset;
+  if (reset.turning && reset.back > 0.0) return FOREWALK_RESET_PHASE_BACKWARD;
+  if (reset.turning) {
+    return reset.direction == 0 ? FOREWALK_RESET_PHASE_TURN : FOREWALK_RESET_PHASE_TURNING;
+  }
+  if (reset.instruction == rdw::ResetInstruction::kWalkBack) return FOREWALK_RESET_PHASE_OUTSIDE;
+  if ((result.flags & rdw::kBorderNear) != 0) return FOREWALK_RESET_PHASE_NEAR;
+  return FOREWALK_RESET_PHASE_NONE;
+}
+
+// Where the head will look when it has turned what remains, the way that was begun or is asked for.
+forewalk_vec3 resetDirection(forewalk_axes axes, const rdw::FrameResult& result) {
+  const rdw::ResetState& reset = result.reset;
+  if (!reset.turning) return {};
+  const bool left = reset.wanted != 0 ? reset.wanted > 0 : reset.progress >= 0.0;
+  const double heading = result.physical.heading + (left ? reset.remaining : -reset.remaining);
+  const glm::vec3 ours = navmesh::toSpace(glm::vec2(rdw::directionOf(heading)), 0.0f);
+  const forewalk_vec3 theirs = positionTo(axes, ours);
+  const float unit = unitsPerMetre(axes);
+  return {theirs.x / unit, theirs.y / unit, theirs.z / unit};
 }
 
 forewalk_frame_out frameOut(forewalk_axes axes, const rdw::FrameResult& result) {
@@ -252,38 +95,82 @@ forewalk_frame_out frameOut(forewalk_axes axes, const rdw::FrameResult& result) 
   out.reset_count = static_cast<std::uint32_t>(result.resetCount);
   out.graph_nodes =
       result.graph == nullptr ? 0 : static_cast<std::uint32_t>(result.graph->nodes.size());
+  out.reset_phase = phaseOf(result);
+  out.reset_back = static_cast<float>(result.reset.back);
+  out.reset_direction = resetDirection(axes, result);
   return out;
 }
 
-/// Graphs by fronts know the states by their index, so that the world is entered again.
-void setStates(rdw::Session& session, std::shared_ptr<const navmesh::PolygonStates> states) {
-  const rdw::SessionSettings& settings = session.settings();
-  if (settings.method != prediction::Method::kFront) {
-    session.setStates(states);
-    return;
-  }
-  rdw::PreparedWorld next = rdw::prepareWorld(session.sharedWorld(), settings.prediction,
-                                              settings.method, nullptr, std::move(states));
-  session.enter(next);
+// What the others in the room see of this frame, in their next one.
+void showOthers(forewalk_session& session, const rdw::FrameResult& result) {
+  const rdw::Motion& motion = result.motion;
+  session.member.put(result.physical.position, motion.walkingDirection * motion.speed,
+                     rdw::directionOf(result.physical.heading));
 }
 
-/// What is known of a world beside its floor. With `groundless`, links whose ground has gone lead
-/// nowhere.
-tl::expected<std::shared_ptr<const navmesh::PolygonStates>, Error> statesOf(
-    const navmesh::World& world, const std::vector<navmesh::Link>& list,
-    const std::vector<navmesh::Standing>& standing, std::vector<navmesh::LinkId>* groundless) {
-  auto links = navmesh::makeLinks(world.graph, world.locations, list, groundless);
-  if (!links) return tl::unexpected(links.error());
-  std::vector<navmesh::PolygonCost> blocked;
-  for (const navmesh::Standing& one : standing) {
-    navmesh::blockedBy(world.graph, world.locations, one, blocked);
+void seeOthers(forewalk_session& session) {
+  std::array<rdw::OtherUser, SharedPlaces::kMost> others;
+  session.session.setOthers({others.data(), session.member.others(others)});
+}
+
+constexpr struct {
+  std::uint32_t flag;
+  const char* what;
+} kWorthAWarning[] = {
+    {rdw::kTimeRanBackwards, "its time ran backwards, or was no number"},
+    {rdw::kTimeGap, "more than 0.5 s passed since its last frame"},
+    {rdw::kTrackingJump, "tracking jumped by more than 1 m"},
+    {rdw::kPoseNotFinite, "a position was not finite: the last one was taken"},
+    {rdw::kOrientationUnusable, "an orientation was no rotation: the last one was taken"},
+    {rdw::kOffNavMesh, "there is no walkable floor near: the last place was taken"},
+    {rdw::kGraphLimit, "the graph has reached polygon_limit: raise it or shorten the horizon"},
+    {rdw::kGroundTaken, "the world changed where the user stands: the nearest floor was taken"}};
+
+void logFrame(forewalk_session& session, const rdw::FrameResult& result, bool wasTurning) {
+  if (!logs(FOREWALK_LOG_WARNING)) return;
+  for (const auto& [flag, what] : kWorthAWarning) {
+    if ((result.flags & ~session.flags & flag) == 0) continue;
+    tell(FOREWALK_LOG_WARNING, "session {}: {}.", session.number, what);
   }
-  auto states = navmesh::makePolygonStates(world.graph, {}, std::move(*links), blocked);
-  if (!states) return tl::unexpected(states.error());
-  return std::make_shared<const navmesh::PolygonStates>(std::move(*states));
+  if (result.resetBegan) {
+    tell(FOREWALK_LOG_INFO, "session {}: reset {} begins.", session.number, result.resetCount);
+  } else if (wasTurning && !result.reset.turning) {
+    tell(FOREWALK_LOG_INFO, "session {}: reset {} ends.", session.number, result.resetCount);
+  }
+}
+
+// The heading of a direction on the plan; not a number where it has none.
+double headingFrom(forewalk_axes axes, const forewalk_vec3* direction) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (direction == nullptr) return kNone;
+  const glm::vec2 plan = navmesh::toPlan(positionFrom(axes, *direction));
+  const double length = glm::length(glm::dvec2(plan));
+  return std::isfinite(length) && length > 0.0 ? rdw::headingOf(glm::dvec2(plan)) : kNone;
 }
 
 }  // namespace
+
+forewalk_status createSession(std::shared_ptr<const navmesh::World> world,
+                              const forewalk_session_settings& settings, rdw::SessionSettings ours,
+                              forewalk_session** session) {
+  SpaceMember member;
+  if (settings.space != nullptr) {
+    const auto place = settings.space->places.take();
+    if (!place) {
+      return failLiteral(FOREWALK_ERROR_TOO_LARGE,
+                         "forewalk_session_settings: the space has as many sessions as its "
+                         "user_limit. Destroy one, or make the space with a higher limit.");
+    }
+    member = SpaceMember(*settings.space, *place);
+  }
+  auto made = rdw::Session::make(std::move(world), std::move(ours));
+  if (!made) return fail(made.error());
+  *session = new forewalk_session(std::move(*made), settings.axes);
+  (*session)->member = std::move(member);
+  tell(FOREWALK_LOG_INFO, "session {}: made, with controller {} and a horizon of {} m.",
+       (*session)->number, controllerName(settings.controller), settings.horizon);
+  return FOREWALK_OK;
+}
 
 }  // namespace forewalk::capi
 
@@ -306,20 +193,14 @@ forewalk_status forewalk_session_create(const forewalk_navmesh* navmesh,
   }
   return guarded([&]() -> forewalk_status {
     forewalk_session_settings known = defaultSessionSettings();
-    if (settings != nullptr) {
-      if (!isKnownSize<forewalk_session_settings>(settings->struct_size)) {
-        return fail(FOREWALK_ERROR_ARGUMENT,
-                    "forewalk_session_settings: no version has had a struct_size of " +
-                        std::to_string(settings->struct_size) +
-                        " bytes. Call forewalk_session_settings_init first.");
-      }
-      copyKnown(*settings, known);
+    if (const auto status = readSettings(settings, "forewalk_session_settings", known)) {
+      return status;
     }
-    if (const forewalk_status status = checkForm(known)) return status;
-    auto made = makeSession(*navmesh, known);
-    if (!made) return fail(made.error());
-    *session = new forewalk_session(std::move(*made), known.axes);
-    return FOREWALK_OK;
+    if (const auto status = checkForm(known)) return status;
+    auto ours = sessionSettings(known);
+    if (!ours) return fail(ours.error());
+    if (ours->method == prediction::Method::kFront) ours->frontIndex = navmesh->frontIndex();
+    return createSession(navmesh->world, known, std::move(*ours), session);
   });
 }
 
@@ -340,10 +221,16 @@ forewalk_status forewalk_frame(forewalk_session* session, forewalk_vec3 head_pos
   return guarded([&]() -> forewalk_status {
     session->graphIsThisFrames = false;
     const Clock::time_point start = Clock::now();
+    const bool wasTurning = session->session.result().reset.turning;
+    if (session->follows) session->follows->update(session->session);
+    if (session->member) seeOthers(*session);
     session->session.locate(poseFrom(session->axes, {head_position, head_orientation}), seconds);
     session->session.predict();
     const Clock::time_point predicted = Clock::now();
     const rdw::FrameResult& result = session->session.steer();
+    if (session->member) showOthers(*session, result);
+    logFrame(*session, result, wasTurning);
+    session->flags = result.flags;
     forewalk_frame_out answer = frameOut(session->axes, result);
     answer.predict_seconds = secondsBetween(start, predicted);
     answer.steer_seconds = secondsBetween(predicted, Clock::now());
@@ -370,71 +257,22 @@ forewalk_status forewalk_session_teleport(forewalk_session* session, forewalk_ve
   });
 }
 
-forewalk_status forewalk_session_set_links(forewalk_session* session, const forewalk_link* links,
-                                           size_t count) {
-  if (session == nullptr || (links == nullptr && count > 0)) {
-    return failLiteral(FOREWALK_ERROR_ARGUMENT,
-                       "forewalk_session_set_links: session or links is null.");
+forewalk_status forewalk_session_set_gaze(forewalk_session* session,
+                                          const forewalk_vec3* direction) {
+  if (session == nullptr) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT, "forewalk_session_set_gaze: session is null.");
   }
-  return guarded([&]() -> forewalk_status {
-    std::vector<navmesh::Link> list;
-    for (size_t i = 0; i < count; ++i) {
-      const forewalk_link& one = links[i];
-      list.push_back({navmesh::LinkId{one.id}, positionFrom(session->axes, one.entry),
-                      positionFrom(session->axes, one.exit), one.length, one.both_ways != 0,
-                      one.closed == 0});
-    }
-    const navmesh::World& world = session->session.world();
-    auto states = statesOf(world, list, session->standing, nullptr);
-    if (!states) return fail(states.error());
-    session->links = std::move(list);
-    setStates(session->session, std::move(*states));
-    return FOREWALK_OK;
-  });
+  session->session.setGaze(headingFrom(session->axes, direction));
+  return FOREWALK_OK;
 }
 
-forewalk_status forewalk_session_set_standing(forewalk_session* session,
-                                              const forewalk_standing* standing, size_t count) {
-  if (session == nullptr || (standing == nullptr && count > 0)) {
-    return failLiteral(FOREWALK_ERROR_ARGUMENT,
-                       "forewalk_session_set_standing: session or standing is null.");
+forewalk_status forewalk_session_set_chest(forewalk_session* session,
+                                           const forewalk_vec3* direction) {
+  if (session == nullptr) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT, "forewalk_session_set_chest: session is null.");
   }
-  return guarded([&]() -> forewalk_status {
-    std::vector<navmesh::Standing> people;
-    for (size_t i = 0; i < count; ++i) {
-      const float cost = standing[i].cost == 0.0f ? navmesh::kClosed : standing[i].cost;
-      people.push_back({positionFrom(session->axes, standing[i].foot), standing[i].radius, cost});
-      if (auto valid = navmesh::validate(people.back()); !valid) return fail(valid.error());
-    }
-    std::vector<navmesh::LinkId> groundless;
-    auto states = statesOf(session->session.world(), session->links, people, &groundless);
-    if (!states) return fail(states.error());
-    session->standing = std::move(people);
-    setStates(session->session, std::move(*states));
-    return FOREWALK_OK;
-  });
-}
-
-forewalk_status forewalk_session_enter(forewalk_session* session, const forewalk_navmesh* navmesh) {
-  if (session == nullptr || navmesh == nullptr) {
-    return failLiteral(FOREWALK_ERROR_ARGUMENT,
-                       "forewalk_session_enter: session or navmesh is null.");
-  }
-  return guarded([&]() -> forewalk_status {
-    const rdw::SessionSettings& settings = session->session.settings();
-    const bool byFronts = settings.method == prediction::Method::kFront;
-    std::vector<navmesh::LinkId> groundless;
-    auto states = statesOf(*navmesh->world, session->links, session->standing, &groundless);
-    if (!states) return fail(states.error());
-    rdw::PreparedWorld next = rdw::prepareWorld(
-        navmesh->world, settings.prediction, settings.method,
-        byFronts && (*states)->allOpen() ? navmesh->frontIndex() : nullptr, *states);
-    FlatGraph graph(navmesh->world->graph, settings.prediction.polygons, settings.method);
-    session->session.enter(next);
-    session->graph = std::move(graph);
-    session->graphIsThisFrames = false;
-    return FOREWALK_OK;
-  });
+  session->session.setChest(headingFrom(session->axes, direction));
+  return FOREWALK_OK;
 }
 
 forewalk_status forewalk_graph(forewalk_session* session, forewalk_graph_view* view) {
@@ -452,6 +290,9 @@ forewalk_status forewalk_graph(forewalk_session* session, forewalk_graph_view* v
       session->graph.clear();
       if (graph != nullptr) {
         session->graph.flatten(session->session.world().graph, *graph, session->axes);
+        if (const auto* likelihood = session->session.likelihood()) {
+          session->graph.addWays(*likelihood);
+        }
       }
       session->graphIsThisFrames = true;
     }

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "service/capi/log.h"
+
 namespace forewalk::capi {
 
 namespace {
@@ -63,6 +65,7 @@ forewalk_status fail(forewalk_status status, const std::string& message) noexcep
   } catch (...) {
     latest = "out of memory while an error was being described.";
   }
+  tell(FOREWALK_LOG_ERROR, latest);
   return status;
 }
 
@@ -72,7 +75,14 @@ forewalk_status fail(const Error& error) noexcept {
 
 forewalk_status failLiteral(forewalk_status status, const char* message) noexcept {
   latest = message;
+  tell(FOREWALK_LOG_ERROR, latest);
   return status;
+}
+
+forewalk_status unknownConstant(const char* type, const char* field, std::int32_t value, int last) {
+  return fail(FOREWALK_ERROR_ARGUMENT,
+              std::string(type) + ": " + field + " " + std::to_string(value) +
+                  " is no constant of this version (0 to " + std::to_string(last) + ").");
 }
 
 // The header repeats the numbers of ErrorCode.

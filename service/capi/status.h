@@ -21,6 +21,9 @@ forewalk_status fail(const Error& error) noexcept;
 /// The same for a string literal: allocates and locks nothing, so a frame may use it.
 forewalk_status failLiteral(forewalk_status status, const char* message) noexcept;
 
+/// The refusal of `value` in a field whose constants are 0 to `last`.
+forewalk_status unknownConstant(const char* type, const char* field, std::int32_t value, int last);
+
 /// Runs `body`, which returns a status. What it throws becomes FOREWALK_ERROR_OUT_OF_MEMORY or
 /// FOREWALK_ERROR_INTERNAL.
 template <typename Body>
@@ -56,6 +59,14 @@ template <>
 inline constexpr std::size_t kFirstSize<forewalk_session_settings> =
     offsetof(forewalk_session_settings, reserved) + sizeof(std::uint32_t);
 template <>
+inline constexpr std::size_t kFirstSize<forewalk_space_settings> = offsetof(forewalk_space_settings,
+                                                                            user_limit) +
+                                                                   sizeof(std::uint32_t);
+template <>
+inline constexpr std::size_t kFirstSize<forewalk_world_settings> = offsetof(forewalk_world_settings,
+                                                                            door_count) +
+                                                                   sizeof(std::size_t);
+template <>
 inline constexpr std::size_t kFirstSize<forewalk_frame_out> = offsetof(forewalk_frame_out,
                                                                        steer_seconds) +
                                                               sizeof(float);
@@ -82,6 +93,20 @@ void copyKnown(const Struct& from, Struct& to) {
   if (toSize < size) size = toSize;
   std::memcpy(static_cast<void*>(&to), static_cast<const void*>(&from), size);
   to.struct_size = toSize;
+}
+
+/// Puts what is given over the defaults in `known`; null: nothing. FOREWALK_OK, or the refusal of
+/// its struct_size; `type` names the struct in it.
+template <typename Struct>
+forewalk_status readSettings(const Struct* given, const char* type, Struct& known) {
+  if (given == nullptr) return FOREWALK_OK;
+  if (!isKnownSize<Struct>(given->struct_size)) {
+    return fail(FOREWALK_ERROR_ARGUMENT,
+                std::string(type) + ": no version has had a struct_size of " +
+                    std::to_string(given->struct_size) + " bytes. Call " + type + "_init first.");
+  }
+  copyKnown(*given, known);
+  return FOREWALK_OK;
 }
 
 }  // namespace forewalk::capi

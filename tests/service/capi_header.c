@@ -9,7 +9,11 @@ const size_t capi_sizes_in_c[] = {
     sizeof(forewalk_point2),         sizeof(forewalk_session_settings),
     sizeof(forewalk_frame_out),      sizeof(forewalk_node),
     sizeof(forewalk_edge),           sizeof(forewalk_graph_view),
-    sizeof(forewalk_front),
+    sizeof(forewalk_front),          sizeof(forewalk_space_settings),
+    sizeof(forewalk_way),            sizeof(forewalk_way_event),
+    sizeof(forewalk_link),           sizeof(forewalk_standing),
+    sizeof(forewalk_door),           sizeof(forewalk_obstacle),
+    sizeof(forewalk_world_settings),
 };
 const size_t capi_size_count = sizeof capi_sizes_in_c / sizeof capi_sizes_in_c[0];
 

@@ -40,18 +40,45 @@ TEST(CapiLibrary, ShowsTheseNamesAndNoOther) {
       "forewalk_navmesh_retain",
       "forewalk_navmesh_save",
       "forewalk_session_create",
+      "forewalk_session_create_in_world",
       "forewalk_session_destroy",
       "forewalk_session_enter",
+      "forewalk_session_set_chest",
+      "forewalk_session_set_gaze",
       "forewalk_session_set_links",
       "forewalk_session_set_standing",
       "forewalk_session_settings_init",
       "forewalk_session_teleport",
+      "forewalk_set_log",
+      "forewalk_space_create",
+      "forewalk_space_release",
+      "forewalk_space_retain",
+      "forewalk_space_settings_init",
       "forewalk_version",
+      "forewalk_world_from_file",
+      "forewalk_world_from_triangles",
+      "forewalk_world_release",
+      "forewalk_world_remove_link",
+      "forewalk_world_remove_obstacle",
+      "forewalk_world_retain",
+      "forewalk_world_set_door",
+      "forewalk_world_set_link",
+      "forewalk_world_set_obstacles",
+      "forewalk_world_set_standing",
+      "forewalk_world_settings_init",
+      "forewalk_world_version",
+      "forewalk_world_wait",
   };
   std::istringstream lines(
       outputOf(std::string(FOREWALK_NM) + " -D --defined-only " + FOREWALK_LIBRARY));
   std::vector<std::string> shown;
-  for (std::string address, kind, name; lines >> address >> kind >> name;) shown.push_back(name);
+  // NAME@@FOREWALK_0.1; the version itself is a symbol, too.
+  for (std::string address, kind, name; lines >> address >> kind >> name;) {
+    if (kind == "A") continue;
+    const std::size_t at = name.find("@@FOREWALK_0.1");
+    EXPECT_NE(at, std::string::npos) << name << " has no version: see forewalk.map";
+    shown.push_back(name.substr(0, at));
+  }
   std::sort(shown.begin(), shown.end());
   EXPECT_EQ(shown, expected);
 }
@@ -76,7 +103,7 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_build_settings, tile), 36u);
   EXPECT_EQ(offsetof(forewalk_build_settings, partition), 40u);
 
-  EXPECT_EQ(sizeof(forewalk_session_settings), 152u);
+  EXPECT_EQ(sizeof(forewalk_session_settings), 168u);
   EXPECT_EQ(offsetof(forewalk_session_settings, axes), 4u);
   EXPECT_EQ(offsetof(forewalk_session_settings, controller), 8u);
   EXPECT_EQ(offsetof(forewalk_session_settings, limits), 12u);
@@ -100,8 +127,18 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_session_settings, method), 136u);
   EXPECT_EQ(offsetof(forewalk_session_settings, persistence), 140u);
   EXPECT_EQ(offsetof(forewalk_session_settings, reset), 144u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, likelihoods), 152u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, heading_source), 156u);
+  EXPECT_EQ(offsetof(forewalk_session_settings, space), 160u);
 
-  EXPECT_EQ(sizeof(forewalk_frame_out), 100u);
+  EXPECT_EQ(sizeof(forewalk_space_settings), 64u);
+  EXPECT_EQ(offsetof(forewalk_space_settings, border), 8u);
+  EXPECT_EQ(offsetof(forewalk_space_settings, width), 24u);
+  EXPECT_EQ(offsetof(forewalk_space_settings, hole_count), 48u);
+  EXPECT_EQ(offsetof(forewalk_space_settings, body_radius), 56u);
+  EXPECT_EQ(offsetof(forewalk_space_settings, user_limit), 60u);
+
+  EXPECT_EQ(sizeof(forewalk_frame_out), 120u);
   EXPECT_EQ(offsetof(forewalk_frame_out, flags), 4u);
   EXPECT_EQ(offsetof(forewalk_frame_out, virtual_pose), 8u);
   EXPECT_EQ(offsetof(forewalk_frame_out, translation), 36u);
@@ -115,6 +152,9 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_frame_out, graph_nodes), 88u);
   EXPECT_EQ(offsetof(forewalk_frame_out, predict_seconds), 92u);
   EXPECT_EQ(offsetof(forewalk_frame_out, steer_seconds), 96u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, reset_phase), 100u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, reset_back), 104u);
+  EXPECT_EQ(offsetof(forewalk_frame_out, reset_direction), 108u);
 
   EXPECT_EQ(sizeof(forewalk_node), 28u);
   EXPECT_EQ(offsetof(forewalk_node, distance), 12u);
@@ -133,7 +173,26 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_front, from), 8u);
   EXPECT_EQ(offsetof(forewalk_front, to), 20u);
 
-  EXPECT_EQ(sizeof(forewalk_graph_view), 72u);
+  EXPECT_EQ(sizeof(forewalk_way), 16u);
+  EXPECT_EQ(offsetof(forewalk_way, likelihood), 8u);
+  EXPECT_EQ(offsetof(forewalk_way, born), 12u);
+  EXPECT_EQ(sizeof(forewalk_way_event), 12u);
+  EXPECT_EQ(offsetof(forewalk_way_event, change), 8u);
+
+  EXPECT_EQ(sizeof(forewalk_link), 40u);
+  EXPECT_EQ(sizeof(forewalk_standing), 20u);
+  EXPECT_EQ(sizeof(forewalk_door), 32u);
+  EXPECT_EQ(offsetof(forewalk_door, corners), 8u);
+  EXPECT_EQ(offsetof(forewalk_door, cost), 28u);
+  EXPECT_EQ(sizeof(forewalk_obstacle), 64u);
+  EXPECT_EQ(offsetof(forewalk_obstacle, half_size), 20u);
+  EXPECT_EQ(offsetof(forewalk_obstacle, radius), 36u);
+  EXPECT_EQ(offsetof(forewalk_obstacle, corners), 48u);
+  EXPECT_EQ(sizeof(forewalk_world_settings), 32u);
+  EXPECT_EQ(offsetof(forewalk_world_settings, build), 8u);
+  EXPECT_EQ(offsetof(forewalk_world_settings, door_count), 24u);
+
+  EXPECT_EQ(sizeof(forewalk_graph_view), 104u);
   EXPECT_EQ(offsetof(forewalk_graph_view, nodes), 8u);
   EXPECT_EQ(offsetof(forewalk_graph_view, edge_count), 16u);
   EXPECT_EQ(offsetof(forewalk_graph_view, edges), 24u);
@@ -143,14 +202,24 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(offsetof(forewalk_graph_view, widths), 56u);
   EXPECT_EQ(offsetof(forewalk_graph_view, front_count), 64u);
   EXPECT_EQ(offsetof(forewalk_graph_view, method), 68u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, ways), 72u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, way_events), 80u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, way_count), 88u);
+  EXPECT_EQ(offsetof(forewalk_graph_view, likelihood_none), 96u);
 }
 
 TEST(CapiHeader, MeansTheSameInCAndInCpp) {
   const std::vector<std::size_t> here = {
-      sizeof(forewalk_vec3),           sizeof(forewalk_quat),   sizeof(forewalk_pose),
-      sizeof(forewalk_build_settings), sizeof(forewalk_point2), sizeof(forewalk_session_settings),
-      sizeof(forewalk_frame_out),      sizeof(forewalk_node),   sizeof(forewalk_edge),
-      sizeof(forewalk_graph_view),     sizeof(forewalk_front)};
+      sizeof(forewalk_vec3),          sizeof(forewalk_quat),
+      sizeof(forewalk_pose),          sizeof(forewalk_build_settings),
+      sizeof(forewalk_point2),        sizeof(forewalk_session_settings),
+      sizeof(forewalk_frame_out),     sizeof(forewalk_node),
+      sizeof(forewalk_edge),          sizeof(forewalk_graph_view),
+      sizeof(forewalk_front),         sizeof(forewalk_space_settings),
+      sizeof(forewalk_way),           sizeof(forewalk_way_event),
+      sizeof(forewalk_link),          sizeof(forewalk_standing),
+      sizeof(forewalk_door),          sizeof(forewalk_obstacle),
+      sizeof(forewalk_world_settings)};
   EXPECT_EQ(std::vector<std::size_t>(capi_sizes_in_c, capi_sizes_in_c + capi_size_count), here);
 }
 
