@@ -32,6 +32,13 @@ double headingOf(glm::dvec2 direction) {
   return direction == glm::dvec2(0.0) ? 0.0 : std::atan2(-direction.x, direction.y);
 }
 
+double headingOf(glm::vec3 direction) {
+  const glm::dvec2 plan(navmesh::toPlan(direction));
+  return std::isfinite(glm::dot(plan, plan)) && glm::dot(plan, plan) > 0.0
+             ? headingOf(plan)
+             : std::numeric_limits<double>::quiet_NaN();
+}
+
 glm::dvec2 rotated(glm::dvec2 v, double radians) {
   const double c = std::cos(radians);
   const double s = std::sin(radians);

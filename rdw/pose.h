@@ -33,6 +33,10 @@ double wrapAngle(double radians);
 glm::dvec2 directionOf(double heading);
 double headingOf(glm::dvec2 direction);  ///< in (-pi, pi]; a zero direction gives 0
 
+/// The heading of a direction in space, of any length; not a number where it has none (vertical,
+/// zero, not finite).
+double headingOf(glm::vec3 direction);
+
 /// `v` turned by `radians`, counter-clockwise positive.
 glm::dvec2 rotated(glm::dvec2 v, double radians);
 

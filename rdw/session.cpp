@@ -208,7 +208,9 @@ bool Session::resume(const SessionState& state) {
   tracker_.resume(motion);
   reset_.resume(state.reset);
   resetGain_ = state.reset.state.gain;
+  hold_.restart();
   controller_->restart();
+  if (likelihood_ != nullptr) likelihood_->restart();
   return true;
 }
 

@@ -179,6 +179,9 @@ class Session {
   const Controller& controller() const { return *controller_; }
   const ResetPolicy& resetPolicy() const { return *policy_; }
 
+  /// Who else is in the room, as kept by setOthers.
+  std::span<const OtherUser> others() const { return others_; }
+
   /// Who else is in the room from the next frame on, until told otherwise (other_user.h). Of more
   /// than kMostOthers the nearest to the user are kept; positions that are not finite are left out.
   /// Allocates nothing.
@@ -200,7 +203,8 @@ class Session {
 
   /// Goes on where another session was, of the same world and settings: the next frame's virtual
   /// pose is that of the same map, so nothing jumps for the user, and a reset under way is
-  /// finished. Without a controller all frames to come are the other session's to the bit. False,
+  /// finished. Without a controller all frames to come are the other session's to the bit; with one
+  /// they are those of every session that resumes there, this one itself included. False,
   /// and nothing changes, where a number is not finite or beyond what frames lead to (1e7 m, 7
   /// radians), or the floor is off the navmesh.
   [[nodiscard]] bool resume(const SessionState& state);

@@ -242,6 +242,7 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   if (controller < controllers.size()) session.controller = controllers[controller];
   fields.number("horizon_m", 0.1, 1000.0, session.horizon);
   fields.boolean("predict_always", session.alwaysPredict);
+  fields.integer("polygon_limit", 1, 0xffffffffu, session.prediction.polygons);
   static constexpr std::string_view kMethods[] = {"polygon", "front"};
   std::size_t method = static_cast<std::size_t>(session.method);
   fields.word("method", kMethods, method);

@@ -80,7 +80,7 @@ enum {
   FOREWALK_ERROR_NOTHING_WALKABLE = 7,     /* the sentence says which setting closed the scene */
   FOREWALK_ERROR_TOO_LARGE = 8,            /* the sentence says which limit */
   FOREWALK_ERROR_POSITION_OFF_NAVMESH = 9, /* no walkable floor there */
-  FOREWALK_ERROR_FILE_UNWRITABLE = 10,     /* no function of this version writes files */
+  FOREWALK_ERROR_FILE_UNWRITABLE = 10,     /* no such folder, no permission */
   FOREWALK_ERROR_ARGUMENT = 100,           /* null, an unknown constant, a wrong struct_size */
   FOREWALK_ERROR_OUT_OF_MEMORY = 101,
   FOREWALK_ERROR_INTERNAL = 102 /* a defect of ours; the sentence says what is known */
@@ -502,6 +502,16 @@ FOREWALK_API forewalk_status forewalk_session_set_gaze(forewalk_session* session
 /* The same for where the chest points, which FOREWALK_HEADING_CHEST steers by. */
 FOREWALK_API forewalk_status forewalk_session_set_chest(forewalk_session* session,
                                                         const forewalk_vec3* direction);
+
+/* Records the session's frames in a file from now on (from the second frame on, where there was
+ * none yet), in the place of one of that name; `path` null: no more. A line a frame as JSON, which
+ * `forewalk replay` walks again to the last bit (service/daemon/PROTOCOL.md); a thread writes it, a
+ * kill loses at most 100 ms. It begins as a session that is resumed does: the controller's gains go
+ * back to neutral once. What changes the world is noted, and ends what can be walked again, as does
+ * a session in a forewalk_world. Where the disk does not keep up for 11 s, recording ends, and the
+ * log hears of it. Fails with FOREWALK_ERROR_FILE_UNWRITABLE. Not for within a frame's time budget:
+ * ends the recording before, and with it a thread. */
+FOREWALK_API forewalk_status forewalk_session_record(forewalk_session* session, const char* path);
 
 /* ---- the prediction graph ------------------------------------------------------------------- */
 

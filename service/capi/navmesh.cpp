@@ -18,7 +18,7 @@ namespace {
 
 navmesh::BuildRun onAllCores() { return {service::onThreads(0), {}}; }
 
-forewalk_status handOut(const tl::expected<navmesh::NavMesh, Error>& navMesh,
+forewalk_status handOut(const tl::expected<navmesh::NavMesh, Error>& navMesh, const char* scene,
                         forewalk_navmesh** handle) {
   if (!navMesh) return fail(navMesh.error());
   auto world = service::makeWorld(*navMesh);
@@ -26,6 +26,7 @@ forewalk_status handOut(const tl::expected<navmesh::NavMesh, Error>& navMesh,
   auto made = std::make_unique<forewalk_navmesh>();
   made->world = std::move(*world);
   made->fwmesh = navmesh::saveFwmesh(*navMesh);
+  made->scene = scene;
   tell(FOREWALK_LOG_INFO, "navmesh: {} polygons.", made->world->graph.polygonCount());
   *handle = made.release();
   return FOREWALK_OK;
@@ -58,7 +59,7 @@ forewalk_status forewalk_navmesh_from_file(const char* path,
     const std::u8string name(path, path + std::strlen(path));
     return handOut(service::loadNavMesh(std::filesystem::path(name), preparation.import,
                                         preparation.build, onAllCores()),
-                   navmesh);
+                   path, navmesh);
   });
 }
 
@@ -80,7 +81,8 @@ forewalk_status forewalk_navmesh_from_triangles(const float* vertices, size_t ve
             sceneFrom({vertices, vertex_count, indices, index_count}, axes, preparation, scene)) {
       return status;
     }
-    return handOut(navmesh::buildNavMesh(scene, preparation.build, onAllCores()), navmesh);
+    return handOut(navmesh::buildNavMesh(scene, preparation.build, onAllCores()),
+                   "triangles in memory", navmesh);
   });
 }
 
@@ -93,7 +95,7 @@ forewalk_status forewalk_navmesh_from_fwmesh(const void* bytes, size_t byte_coun
   }
   return guarded([&]() -> forewalk_status {
     const std::span<const std::byte> span(static_cast<const std::byte*>(bytes), byte_count);
-    return handOut(navmesh::loadFwmesh(span, "fwmesh in memory"), navmesh);
+    return handOut(navmesh::loadFwmesh(span, "fwmesh in memory"), "fwmesh in memory", navmesh);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "navmesh/world.h"
@@ -16,7 +17,8 @@
 struct forewalk_navmesh {
   std::shared_ptr<const forewalk::navmesh::World> world;
   std::vector<std::byte>
-      fwmesh;  ///< kept in place of the half-edge mesh, which is several times larger
+      fwmesh;         ///< kept in place of the half-edge mesh, which is several times larger
+  std::string scene;  ///< what it was made from, for recordings
   std::atomic<std::uint32_t> owners{1};
 
   /// What all sessions by fronts share. Any thread; the first one makes it.

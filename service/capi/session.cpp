@@ -3,7 +3,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <limits>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -14,6 +18,7 @@
 #include "service/capi/session_handle.h"
 #include "service/capi/session_settings.h"
 #include "service/capi/status.h"
+#include "service/daemon/recording_format.h"
 
 namespace forewalk::capi {
 
@@ -139,13 +144,41 @@ void logFrame(forewalk_session& session, const rdw::FrameResult& result, bool wa
   }
 }
 
-// The heading of a direction on the plan; not a number where it has none.
-double headingFrom(forewalk_axes axes, const forewalk_vec3* direction) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (direction == nullptr) return kNone;
-  const glm::vec2 plan = navmesh::toPlan(positionFrom(axes, *direction));
-  const double length = glm::length(glm::dvec2(plan));
-  return std::isfinite(length) && length > 0.0 ? rdw::headingOf(glm::dvec2(plan)) : kNone;
+std::optional<glm::vec3> directionFrom(forewalk_axes axes, const forewalk_vec3* direction) {
+  if (direction == nullptr) return std::nullopt;
+  return positionFrom(axes, *direction);
+}
+
+double headingOf(const std::optional<glm::vec3>& direction) {
+  return direction ? rdw::headingOf(*direction) : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Goes on from the state that the session is in as every other would that resumes it.
+void beginRecording(forewalk_session& session) {
+  const rdw::SessionState state = session.session.state();
+  if (session.session.resume(state)) {
+    session.recording->begin(daemon::stateBytes({session.number, state},
+                                                session.navMesh.value_or(daemon::NavMeshHash{})));
+  } else {
+    session.recording->giveUp();
+  }
+}
+
+void record(forewalk_session& session, const rdw::HeadPose& head, double seconds) {
+  using Phase = SessionRecording::Phase;
+  switch (session.recording->phase()) {
+    case Phase::kWaiting:
+      return beginRecording(session);
+    case Phase::kRunning:
+      return session.recording->put(head, seconds, session.gaze, session.chest, session.session);
+    case Phase::kOver:
+      return;
+  }
+}
+
+bool records(const forewalk_session& session) {
+  return session.recording != nullptr &&
+         session.recording->phase() == SessionRecording::Phase::kRunning;
 }
 
 }  // namespace
@@ -200,7 +233,12 @@ forewalk_status forewalk_session_create(const forewalk_navmesh* navmesh,
     auto ours = sessionSettings(known);
     if (!ours) return fail(ours.error());
     if (ours->method == prediction::Method::kFront) ours->frontIndex = navmesh->frontIndex();
-    return createSession(navmesh->world, known, std::move(*ours), session);
+    if (const auto status = createSession(navmesh->world, known, std::move(*ours), session)) {
+      return status;
+    }
+    (*session)->scene = navmesh->scene;
+    (*session)->navMesh = daemon::hashOf(std::span<const std::byte>(navmesh->fwmesh));
+    return FOREWALK_OK;
   });
 }
 
@@ -222,15 +260,20 @@ forewalk_status forewalk_frame(forewalk_session* session, forewalk_vec3 head_pos
     session->graphIsThisFrames = false;
     const Clock::time_point start = Clock::now();
     const bool wasTurning = session->session.result().reset.turning;
-    if (session->follows) session->follows->update(session->session);
+    if (session->follows && session->follows->update(session->session) && records(*session)) {
+      session->recording->putWorldChange();
+    }
     if (session->member) seeOthers(*session);
-    session->session.locate(poseFrom(session->axes, {head_position, head_orientation}), seconds);
+    const rdw::HeadPose head = poseFrom(session->axes, {head_position, head_orientation});
+    session->session.locate(head, seconds);
     session->session.predict();
     const Clock::time_point predicted = Clock::now();
     const rdw::FrameResult& result = session->session.steer();
     if (session->member) showOthers(*session, result);
     logFrame(*session, result, wasTurning);
+    if (session->recording) record(*session, head, seconds);
     session->flags = result.flags;
+    session->framed = true;
     forewalk_frame_out answer = frameOut(session->axes, result);
     answer.predict_seconds = secondsBetween(start, predicted);
     answer.steer_seconds = secondsBetween(predicted, Clock::now());
@@ -249,7 +292,11 @@ forewalk_status forewalk_session_teleport(forewalk_session* session, forewalk_ve
       return failLiteral(FOREWALK_ERROR_SETTING_OUT_OF_RANGE,
                          "forewalk_session_teleport: the heading is not a finite number.");
     }
-    if (session->session.teleport(startFrom(session->axes, floor, heading))) return FOREWALK_OK;
+    const rdw::VirtualStart to = startFrom(session->axes, floor, heading);
+    if (session->session.teleport(to)) {
+      if (records(*session)) session->recording->putTeleport(to);
+      return FOREWALK_OK;
+    }
     return fail(FOREWALK_ERROR_POSITION_OFF_NAVMESH,
                 "forewalk_session_teleport: (" + std::to_string(floor.x) + ", " +
                     std::to_string(floor.y) + ", " + std::to_string(floor.z) +
@@ -262,7 +309,8 @@ forewalk_status forewalk_session_set_gaze(forewalk_session* session,
   if (session == nullptr) {
     return failLiteral(FOREWALK_ERROR_ARGUMENT, "forewalk_session_set_gaze: session is null.");
   }
-  session->session.setGaze(headingFrom(session->axes, direction));
+  session->gaze = directionFrom(session->axes, direction);
+  session->session.setGaze(headingOf(session->gaze));
   return FOREWALK_OK;
 }
 
@@ -271,8 +319,30 @@ forewalk_status forewalk_session_set_chest(forewalk_session* session,
   if (session == nullptr) {
     return failLiteral(FOREWALK_ERROR_ARGUMENT, "forewalk_session_set_chest: session is null.");
   }
-  session->session.setChest(headingFrom(session->axes, direction));
+  session->chest = directionFrom(session->axes, direction);
+  session->session.setChest(headingOf(session->chest));
   return FOREWALK_OK;
+}
+
+forewalk_status forewalk_session_record(forewalk_session* session, const char* path) {
+  if (session == nullptr) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT, "forewalk_session_record: session is null.");
+  }
+  return guarded([&]() -> forewalk_status {
+    session->recording.reset();
+    if (path == nullptr) return FOREWALK_OK;
+    const std::u8string name(path, path + std::strlen(path));
+    // Nor do recordings hold links and who stands where.
+    const bool whole = session->navMesh && session->links.empty() && session->standing.empty();
+    auto recording = SessionRecording::make(
+        std::filesystem::path(name), session->scene,
+        whole ? daemon::textOf(*session->navMesh) : std::string(daemon::kMovingWorld),
+        daemon::settingsText(session->session.settings()), session->number);
+    if (!recording) return fail(recording.error());
+    session->recording = std::move(*recording);
+    if (session->framed) beginRecording(*session);
+    return FOREWALK_OK;
+  });
 }
 
 forewalk_status forewalk_graph(forewalk_session* session, forewalk_graph_view* view) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,7 +14,9 @@
 #include "rdw/session.h"
 #include "service/capi/flat_graph.h"
 #include "service/capi/forewalk.h"
+#include "service/capi/session_recording.h"
 #include "service/capi/space_handle.h"
+#include "service/daemon/session_bytes.h"
 #include "service/live_world.h"
 
 struct forewalk_session {
@@ -35,8 +38,13 @@ struct forewalk_session {
   forewalk::capi::SpaceMember member;                     ///< of a space that it shares with others
   std::optional<forewalk::service::WorldReader> follows;  ///< a world that moves by itself
   std::shared_ptr<forewalk::service::LiveWorld> followed;
+  std::optional<glm::vec3> gaze, chest;  ///< as told last, our axes
+  std::unique_ptr<forewalk::capi::SessionRecording> recording;
+  std::string scene;  ///< for recordings: what it walks in, and the hash of that; none: it moves
+  std::optional<forewalk::daemon::NavMeshHash> navMesh;
   std::uint32_t number;     ///< its name in the log, from 1
   std::uint32_t flags = 0;  ///< of the last frame, for what is told once
+  bool framed = false;      ///< it has had a frame
 };
 
 namespace forewalk::capi {

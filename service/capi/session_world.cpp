@@ -44,6 +44,12 @@ tl::expected<std::shared_ptr<const navmesh::PolygonStates>, Error> statesOf(
   return std::make_shared<const navmesh::PolygonStates>(std::move(*states));
 }
 
+void noteWorldChange(forewalk_session& session) {
+  if (session.recording && session.recording->phase() == SessionRecording::Phase::kRunning) {
+    session.recording->putWorldChange();
+  }
+}
+
 }  // namespace
 
 }  // namespace forewalk::capi
@@ -69,6 +75,7 @@ forewalk_status forewalk_session_set_links(forewalk_session* session, const fore
     auto states = statesOf(world, list, session->standing, nullptr);
     if (!states) return fail(states.error());
     session->links = std::move(list);
+    noteWorldChange(*session);
     setStates(session->session, std::move(*states));
     return FOREWALK_OK;
   });
@@ -91,6 +98,7 @@ forewalk_status forewalk_session_set_standing(forewalk_session* session,
     auto states = statesOf(session->session.world(), session->links, people, &groundless);
     if (!states) return fail(states.error());
     session->standing = std::move(people);
+    noteWorldChange(*session);
     setStates(session->session, std::move(*states));
     return FOREWALK_OK;
   });
@@ -113,6 +121,8 @@ forewalk_status forewalk_session_enter(forewalk_session* session, const forewalk
         byFronts && (*states)->allOpen() ? navmesh->frontIndex() : nullptr, *states);
     FlatGraph graph(navmesh->world->graph, settings.prediction.polygons, settings.method);
     session->session.enter(next);
+    noteWorldChange(*session);
+    session->navMesh.reset();
     session->graph = std::move(graph);
     session->graphIsThisFrames = false;
     return FOREWALK_OK;

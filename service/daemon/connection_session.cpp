@@ -14,6 +14,7 @@
 
 #include "prediction/dump.h"
 #include "service/daemon/connection.h"
+#include "service/daemon/recording_format.h"
 
 namespace forewalk::daemon {
 
@@ -212,7 +213,7 @@ void Connection::onFrame(std::string_view bytes, bool isText) {
     refuse(Refusal::kMessage, frame.error().message);
     return read();
   }
-  const rdw::FrameResult& result = session_->frame(frame->head, frame->seconds);
+  const rdw::FrameResult& result = walk(*session_, *frame);
   const Answer answer = answerOf(frame->sequence, result);
   worker_.signer.sign({id_, session_->state()}, token_);
   out_.clear();

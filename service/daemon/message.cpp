@@ -69,7 +69,9 @@ class Taker {
 /// Shortest text that reads back to the same number; what is not finite has none in JSON.
 template <typename Real>
 void appendNumber(std::string& out, Real value) {
-  if (std::isfinite(value)) {
+  if (value == Real{0} && std::signbit(value)) {
+    out += "-0.0";  // "-0" is an integer to JSON readers, and they have but one zero
+  } else if (std::isfinite(value)) {
     fmt::format_to(std::back_inserter(out), "{}", value);
   } else {
     out += "null";
@@ -115,6 +117,36 @@ void readNumbers(Fields& fields, std::string_view name, std::string_view shape,
   if (!sound) fields.wrongKind(name, fmt::format("{} numbers {}", Count, shape));
 }
 
+void readDirection(Fields& fields, std::string_view name, std::optional<glm::vec3>& direction) {
+  if (fields.find(name) == nullptr) return;
+  std::array<float, 3> d{};
+  readNumbers(fields, name, "[x, y, z], a direction", d);
+  direction = glm::vec3(d[0], d[1], d[2]);
+}
+
+void readOthers(Fields& fields, std::vector<rdw::OtherUser>& others) {
+  const Json* list = fields.find("others");
+  if (list == nullptr) return;
+  bool sound = list->is_array() && list->size() <= rdw::kMostOthers;
+  for (std::size_t i = 0; sound && i < list->size(); ++i) {
+    const Json& one = (*list)[i];
+    std::array<double, 7> n{};
+    sound = one.is_array() && one.size() == n.size();
+    for (std::size_t k = 0; sound && k < n.size(); ++k) {
+      const auto number = numberOrLost(one[k]);
+      sound = number.has_value();
+      if (sound) n[k] = *number;
+    }
+    sound = sound && n[6] > 0.0;
+    if (sound) others.push_back({{n[0], -n[1]}, {n[2], -n[3]}, {n[4], -n[5]}, n[6]});
+  }
+  if (!sound) {
+    fields.wrongKind("others", fmt::format("at most {} lists [x, z, velocity x, z, facing x, z, "
+                                           "radius above 0], metres",
+                                           rdw::kMostOthers));
+  }
+}
+
 tl::expected<Frame, Error> parseFrameText(std::string_view text) {
   const auto json = rdw::parseJson(text, "frame");
   if (!json) return tl::unexpected(json.error());
@@ -135,6 +167,9 @@ tl::expected<Frame, Error> parseFrameText(std::string_view text) {
   readNumbers(fields, "orientation", "[x, y, z, w], a unit quaternion", q);
   frame.head = {{p[0], p[1], p[2]}, {q[3], q[0], q[1], q[2]}};
   fields.boolean("graph", frame.graph);
+  readDirection(fields, "gaze", frame.gaze);
+  readDirection(fields, "chest", frame.chest);
+  readOthers(fields, frame.others);
   fields.finish();
   if (problem.error()) return tl::unexpected(*problem.error());
   return frame;
@@ -174,8 +209,9 @@ tl::expected<rdw::SessionSettings, Error> parseSettings(std::string_view text) {
   if (!json) return tl::unexpected(json.error());
   Problem problem("session");
   Fields fields(*json, "", problem, "in a session");
-  for (const std::string_view name : {"limits", "controller", "horizon_m", "predict_always",
-                                      "method", "persistence_m", "resets", "reset", "start"}) {
+  for (const std::string_view name :
+       {"limits", "controller", "horizon_m", "predict_always", "polygon_limit", "method",
+        "persistence_m", "heading", "resets", "reset", "start"}) {
     fields.find(name);
   }
   // Simulations may name a file with the space; nobody names this machine's files from afar.
@@ -198,6 +234,43 @@ tl::expected<rdw::SessionSettings, Error> parseSettings(std::string_view text) {
         rdw::VirtualStart{*start.floor, static_cast<float>(start.heading.value_or(0.0))};
   }
   return settings;
+}
+
+std::string settingsText(const rdw::SessionSettings& settings) {
+  const auto pairs = [](std::span<const glm::dvec2> ring) {
+    Json list = Json::array();
+    for (const glm::dvec2 corner : ring) list.push_back({corner.x, -corner.y});
+    return list;
+  };
+  Json holes = Json::array();
+  for (std::size_t i = 1; i < settings.space.ringCount(); ++i) {
+    holes.push_back(pairs(settings.space.ring(i)));
+  }
+  // Floats as the shortest text that reads back to the same float, not as the doubles they become.
+  const auto number = [](float value) { return Json::parse(fmt::format("{}", value)); };
+  const rdw::GainLimits& limits = settings.limits;
+  const Json json = {
+      {"space", {{"polygon", pairs(settings.space.ring(0))}, {"holes", holes}}},
+      {"limits",
+       {{"translation_min", number(limits.translationMin)},
+        {"translation_max", number(limits.translationMax)},
+        {"rotation_min", number(limits.rotationMin)},
+        {"rotation_max", number(limits.rotationMax)},
+        {"curvature_max_per_m", number(limits.curvatureMax)},
+        {"bending_min", number(limits.bendingMin)},
+        {"bending_max", number(limits.bendingMax)}}},
+      {"controller", settings.controller},
+      {"horizon_m", number(settings.horizon)},
+      {"predict_always", settings.alwaysPredict},
+      {"polygon_limit", settings.prediction.polygons},
+      {"method", settings.method == prediction::Method::kFront ? "front" : "polygon"},
+      {"persistence_m", number(settings.front.persistence)},
+      {"heading", settings.heading == rdw::HeadingSource::kHead    ? "head"
+                  : settings.heading == rdw::HeadingSource::kChest ? "chest"
+                                                                   : "walking"},
+      {"resets", settings.resets},
+      {"reset", settings.resetPolicy}};
+  return json.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
 tl::expected<Hello, Error> parseHello(std::string_view text) {
@@ -257,8 +330,39 @@ std::string frameText(const Frame& frame) {
   out += ",\"orientation\":";
   appendQuaternion(out, frame.head.orientation);
   if (frame.graph) out += ",\"graph\":true";
+  if (frame.gaze) {
+    out += ",\"gaze\":";
+    appendVector(out, *frame.gaze);
+  }
+  if (frame.chest) {
+    out += ",\"chest\":";
+    appendVector(out, *frame.chest);
+  }
+  if (!frame.others.empty()) {
+    out += ",\"others\":[";
+    for (const rdw::OtherUser& other : frame.others) {
+      if (out.back() != '[') out += ',';
+      out += '[';
+      for (const double value :
+           {other.position.x, -other.position.y, other.velocity.x, -other.velocity.y,
+            other.facing.x, -other.facing.y, other.radius}) {
+        if (out.back() != '[') out += ',';
+        appendNumber(out, value);
+      }
+      out += ']';
+    }
+    out += ']';
+  }
   out += '}';
   return out;
+}
+
+const rdw::FrameResult& walk(rdw::Session& session, const Frame& frame) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  session.setGaze(frame.gaze ? rdw::headingOf(*frame.gaze) : kUnknown);
+  session.setChest(frame.chest ? rdw::headingOf(*frame.chest) : kUnknown);
+  session.setOthers(frame.others);
+  return session.frame(frame.head, frame.seconds);
 }
 
 Answer answerOf(std::uint32_t sequence, const rdw::FrameResult& result) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "navmesh/error.h"
 #include "rdw/session.h"
@@ -35,6 +36,10 @@ struct Hello {
 /// The "session" object of a hello, or of a recording, as settings. Fails as parseHello.
 [[nodiscard]] tl::expected<rdw::SessionSettings, Error> parseSettings(std::string_view text);
 
+/// The other way round: parseSettings gives settings that make the same frames. Of what frames do
+/// not depend on the defaults are left.
+std::string settingsText(const rdw::SessionSettings& settings);
+
 /// The answer to a hello.
 std::string welcomeText(std::string_view sessionId, std::string_view navMeshHash, bool resumed);
 
@@ -46,8 +51,14 @@ struct Frame {
   std::uint32_t sequence = 0;  ///< the client's; comes back with the answer
   double seconds = 0.0;
   rdw::HeadPose head;
-  bool graph = false;  ///< add the prediction graph to the answer (JSON only)
+  // In JSON only:
+  bool graph = false;                    ///< add the prediction graph to the answer
+  std::optional<glm::vec3> gaze, chest;  ///< directions in the tracked space, of any length
+  std::vector<rdw::OtherUser> others;    ///< who else is in the room, kMostOthers at most
 };
+
+/// Hands `frame` to the session that it is of.
+const rdw::FrameResult& walk(rdw::Session& session, const Frame& frame);
 
 /// Fails (kDataDamaged, kFormatUnsupported) with what is wrong, and with how many bytes were
 /// expected. A binary frame costs nothing to read, one in JSON some microseconds.

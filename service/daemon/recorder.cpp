@@ -7,7 +7,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace forewalk::daemon {
@@ -105,26 +104,6 @@ void Recorder::writeNow(const Piece& piece) {
       spdlog::error("recording {} ends early: {}", file.name, std::strerror(errno));
     }
   }
-}
-
-std::string recordingHead(std::string_view sessionId, std::string_view scene,
-                          std::string_view navMeshHash, std::string_view settingsText,
-                          std::string_view state) {
-  const std::string sceneText = nlohmann::json(std::string(scene))
-                                    .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-  return fmt::format(
-      R"({{"format":"forewalk.session/1","session":"{}","scene":{},"navmesh":"{}","settings":{},"state":{}}})"
-      "\n",
-      sessionId, sceneText, navMeshHash, settingsText,
-      state.empty() ? "null" : fmt::format("\"{}\"", toBase64Url(state)));
-}
-
-void appendRecordedFrame(const Frame& frame, const Answer& answer, std::string& out) {
-  out += "{\"in\":";
-  out += frameText(frame);
-  out += ",\"out\":";
-  appendAnswerText(answer, {}, {}, out);
-  out += "}\n";
 }
 
 }  // namespace forewalk::daemon

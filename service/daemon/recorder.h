@@ -1,13 +1,4 @@
-// Sessions as files that are only ever appended to, a line a frame, and a thread that writes them.
-//
-//   {"format":"forewalk.session/1","session":"…","scene":"…","navmesh":"…","settings":{…},"state":"…"}
-//   {"in":{"sequence":0,"seconds":0.0,"position":[…],"orientation":[…]},"out":{…}}
-//
-// "in" and "out" are a frame and its answer as in PROTOCOL.md, without the token. Floats are the
-// shortest text that reads back to the same float. "state" is null for a session that began here,
-// else base64url of the state it went on from. Lines reach the system within 50 ms, so that a
-// process that is killed loses no more (a machine that loses power may). A last line that is cut
-// off is left out when it is read.
+// A thread that writes recordings (recording_format.h) of sessions, a file each, for the daemon.
 #pragma once
 
 #include <atomic>
@@ -23,7 +14,6 @@
 #include <vector>
 
 #include "navmesh/error.h"
-#include "service/daemon/message.h"
 
 namespace forewalk::daemon {
 
@@ -71,13 +61,5 @@ class Recorder {
   bool stop_ = false;
   std::thread thread_;  // last, so that it finds all the others
 };
-
-/// The first line of a recording, with its end.
-std::string recordingHead(std::string_view sessionId, std::string_view scene,
-                          std::string_view navMeshHash, std::string_view settingsText,
-                          std::string_view state);
-
-/// Appends a frame's line, with its end.
-void appendRecordedFrame(const Frame& frame, const Answer& answer, std::string& out);
 
 }  // namespace forewalk::daemon

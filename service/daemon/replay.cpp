@@ -4,15 +4,39 @@
 
 #include <nlohmann/json.hpp>
 #include <utility>
+#include <vector>
 
 #include "rdw/json_fields.h"
 #include "rdw/json_text.h"
+#include "service/daemon/recording_format.h"
 
 namespace forewalk::daemon {
 namespace {
 
 tl::unexpected<Error> refuse(std::string message) {
   return tl::unexpected(Error{ErrorCode::kDataDamaged, std::move(message)});
+}
+
+tl::expected<rdw::VirtualStart, Error> parseTeleport(std::string_view line,
+                                                     const std::string& name) {
+  const auto json = rdw::parseJson(line, name);
+  if (!json) return tl::unexpected(json.error());
+  rdw::Problem problem(name);
+  rdw::Fields fields(*json, "", problem, "in a recording");
+  rdw::VirtualStart to;
+  const rdw::Json* teleport = fields.find("teleport");
+  rdw::Fields place(*teleport, "teleport.", problem);
+  std::vector<double> position;
+  if (place.coordinates("position", 3, position)) {
+    to.floor = glm::vec3(glm::dvec3(position[0], position[1], position[2]));
+  } else {
+    place.wrongKind("position", "[x, y, z], metres");
+  }
+  place.number("heading", -1e6, 1e6, to.heading);
+  place.finish();
+  fields.finish();
+  if (problem.error()) return tl::unexpected(*problem.error());
+  return to;
 }
 
 }  // namespace
@@ -60,6 +84,11 @@ tl::expected<Replay, Error> replay(std::string_view recording,
   if (!first) return refuse("the first line is not complete: nothing was recorded.");
   auto head = parseRecordingHead(*first);
   if (!head) return tl::unexpected(std::move(head.error()));
+  if (head->navMesh == kMovingWorld) {
+    return refuse(
+        "recorded in a world that moves, which no recording holds: it can be read, but not walked "
+        "again.");
+  }
   if (head->navMesh != textOf(navMesh)) {
     return refuse(
         fmt::format("recorded in the navmesh {}, this one is {}. Give the scene and the "
@@ -77,6 +106,18 @@ tl::expected<Replay, Error> replay(std::string_view recording,
   }
   std::string again;
   while (const auto line = nextLine()) {
+    if (line->starts_with("{\"world\"")) {
+      result.worldChanged = number;
+      break;
+    }
+    if (line->starts_with("{\"teleport\"")) {
+      const auto to = parseTeleport(*line, fmt::format("line {}", number));
+      if (!to) return tl::unexpected(to.error());
+      if (!session->teleport(*to)) {
+        return refuse(fmt::format("line {}: its place is not on this navmesh.", number));
+      }
+      continue;
+    }
     constexpr std::string_view kIn = "{\"in\":", kOut = ",\"out\":";
     const std::size_t out = line->find(kOut);
     if (line->substr(0, kIn.size()) != kIn || out == std::string_view::npos) {
@@ -86,7 +127,7 @@ tl::expected<Replay, Error> replay(std::string_view recording,
     if (!frame) {
       return refuse(fmt::format("line {}: {}", number, frame.error().message));
     }
-    const Answer made = answerOf(frame->sequence, session->frame(frame->head, frame->seconds));
+    const Answer made = answerOf(frame->sequence, walk(*session, *frame));
     again.clear();
     appendAnswerText(made, {}, {}, again);
     again += '}';
@@ -99,7 +140,7 @@ tl::expected<Replay, Error> replay(std::string_view recording,
       result.replayed = again;
     }
   }
-  result.cutOff = recording.size();
+  if (!result.worldChanged) result.cutOff = recording.size();
   return result;
 }
 

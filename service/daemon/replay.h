@@ -13,7 +13,7 @@
 #include "navmesh/world.h"
 #include "rdw/session.h"
 #include "service/daemon/message.h"
-#include "service/daemon/state_token.h"
+#include "service/daemon/session_bytes.h"
 
 namespace forewalk::daemon {
 
@@ -31,6 +31,7 @@ struct RecordingHead {
 
 struct Replay {
   std::size_t frames = 0;
+  std::optional<std::size_t> worldChanged;     ///< line, from 1, beyond which nothing was walked
   std::optional<std::size_t> firstDifference;  ///< line, from 1
   std::string recorded, replayed;              ///< of it
   std::size_t cutOff = 0;                      ///< bytes of a last line that was not finished

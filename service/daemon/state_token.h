@@ -1,7 +1,7 @@
 // A session's state as a signed token: what a client hands to the next daemon to go on where it
 // was.
 //
-//   176 bytes of state (state_token.cpp says which) | the first 16 of HMAC-SHA256 over them
+//   176 bytes of state (session_bytes.h) | the first 16 of HMAC-SHA256 over them
 //
 // (RFC 2104, section 5, allows half of it; nobody can try tokens but against a daemon.)
 //
@@ -10,7 +10,6 @@
 // far as their maker; what they lead to is checked again (rdw::Session::resume).
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -18,25 +17,12 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-#include "navmesh/build/navmesh.h"
 #include "navmesh/error.h"
-#include "rdw/session.h"
+#include "service/daemon/session_bytes.h"
 
 namespace forewalk::daemon {
 
-/// The first bytes of the SHA-256 of a navmesh's .fwmesh: says whether two daemons walk the same
-/// ground.
-using NavMeshHash = std::array<std::uint8_t, 8>;
-NavMeshHash hashOf(const navmesh::NavMesh& navMesh);
-std::string textOf(const NavMeshHash& hash);  ///< 16 hexadecimal digits
-
-/// Whose state it is, beside the state.
-struct TokenState {
-  std::uint64_t sessionId = 0;
-  rdw::SessionState state;
-};
-
-inline constexpr std::size_t kTokenBytes = 192;  ///< 256 letters in base64url
+inline constexpr std::size_t kTokenBytes = kStateBytes + 16;  ///< 256 letters in base64url
 static_assert((kTokenBytes * 4 + 2) / 3 <= 256);
 
 inline constexpr std::size_t kLeastKeyBytes = 32;
@@ -63,11 +49,6 @@ class TokenSigner {
   std::unique_ptr<Mac> mac_;
   NavMeshHash navMesh_;
 };
-
-/// The state without signature, for recordings, which nobody has to trust.
-std::string stateBytes(const TokenState& state, const NavMeshHash& navMesh);
-[[nodiscard]] tl::expected<TokenState, Error> stateFromBytes(std::string_view bytes,
-                                                             const NavMeshHash& navMesh);
 
 /// `count` bytes that nobody can guess.
 std::string randomBytes(std::size_t count);

@@ -43,6 +43,7 @@ TEST(CapiLibrary, ShowsTheseNamesAndNoOther) {
       "forewalk_session_create_in_world",
       "forewalk_session_destroy",
       "forewalk_session_enter",
+      "forewalk_session_record",
       "forewalk_session_set_chest",
       "forewalk_session_set_gaze",
       "forewalk_session_set_links",

@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "navmesh/random.h"
 #include "service/daemon/access.h"
@@ -41,7 +43,14 @@ Frame anyFrame(std::mt19937_64& random) {
 }
 
 bool same(const Frame& a, const Frame& b) {
-  return a.sequence == b.sequence && a.seconds == b.seconds && a.head.position == b.head.position &&
+  const auto sameOther = [](const rdw::OtherUser& one, const rdw::OtherUser& two) {
+    return one.position == two.position && one.velocity == two.velocity &&
+           one.facing == two.facing && one.radius == two.radius;
+  };
+  if (!std::equal(a.others.begin(), a.others.end(), b.others.begin(), b.others.end(), sameOther))
+    return false;
+  return a.gaze == b.gaze && a.chest == b.chest && a.sequence == b.sequence &&
+         a.seconds == b.seconds && a.head.position == b.head.position &&
          a.head.orientation == b.head.orientation;
 }
 
@@ -52,6 +61,17 @@ TEST(DaemonMessage, ReadsWhatItWroteToTheLastBit) {
     const auto fromBytes = parseFrame(frameBytes(frame), false);
     ASSERT_TRUE(fromBytes);
     EXPECT_TRUE(same(*fromBytes, frame));
+    Frame more = frame;
+    if (i % 2 == 0) more.gaze = {anyFloat(random), anyFloat(random), anyFloat(random)};
+    if (i % 3 == 0) more.chest = {anyFloat(random), anyFloat(random), anyFloat(random)};
+    const auto real = [&] { return static_cast<double>(anyFloat(random)) / 7.0; };
+    for (int other = 0; other < i % 5; ++other) {
+      more.others.push_back(
+          {{real(), real()}, {real(), real()}, {real(), real()}, 0.1 + std::abs(real())});
+    }
+    const auto withMore = parseFrame(frameText(more), true);
+    ASSERT_TRUE(withMore) << withMore.error().message;
+    EXPECT_TRUE(same(*withMore, more)) << frameText(more);
     const auto fromText = parseFrame(frameText(frame), true);
     ASSERT_TRUE(fromText) << fromText.error().message;
     EXPECT_TRUE(same(*fromText, frame)) << frameText(frame);
@@ -99,6 +119,56 @@ TEST(DaemonMessage, SaysTheSameInBothForms) {
     EXPECT_EQ(json["reset"]["instruction"], kNames[i % 7]);
     EXPECT_EQ(fromBase64Url(json.value("token", "")).value(), token);
   }
+}
+
+TEST(DaemonMessage, SaysSettingsSoThatTheyAreReadBack) {
+  rdw::SessionSettings settings;
+  const std::vector<glm::dvec2> border = {{0.1, 0.2}, {5.3, 0.0}, {4.9, 6.1}, {-0.4, 3.0}};
+  const std::vector<std::vector<glm::dvec2>> holes = {{{1.1, 1.2}, {2.0, 1.0}, {1.7, 2.3}}};
+  for (const bool polygon : {false, true}) {
+    settings.space = polygon ? *rdw::TrackedSpace::polygon(border, holes)
+                             : *rdw::TrackedSpace::rectangle(4.1, 6.3);
+    settings.limits = rdw::gainLimitsByName("toolkit").value();
+    settings.limits.curvatureMax = 0.123456789f;
+    settings.controller = "foresight";
+    settings.resetPolicy = "sfr2g";
+    settings.horizon = 7.7f;
+    settings.alwaysPredict = polygon;
+    settings.prediction.polygons = 77;
+    settings.method = polygon ? prediction::Method::kFront : prediction::Method::kPolygon;
+    settings.front.persistence = 0.3f;
+    settings.heading = rdw::HeadingSource::kWalking;
+    settings.resets = polygon;
+    const auto read = parseSettings(settingsText(settings));
+    ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(read->space.ringCount(), settings.space.ringCount());
+    for (std::size_t ring = 0; ring < read->space.ringCount(); ++ring) {
+      EXPECT_TRUE(std::ranges::equal(read->space.ring(ring), settings.space.ring(ring)));
+    }
+    EXPECT_EQ(read->limits, settings.limits);
+    EXPECT_EQ(read->controller, settings.controller);
+    EXPECT_EQ(read->resetPolicy, settings.resetPolicy);
+    EXPECT_EQ(read->horizon, settings.horizon);
+    EXPECT_EQ(read->alwaysPredict, settings.alwaysPredict);
+    EXPECT_EQ(read->prediction.polygons, settings.prediction.polygons);
+    EXPECT_EQ(read->method, settings.method);
+    EXPECT_EQ(read->front.persistence, settings.front.persistence);
+    EXPECT_EQ(read->heading, settings.heading);
+    EXPECT_EQ(read->resets, settings.resets);
+    EXPECT_EQ(settingsText(*read), settingsText(settings));
+  }
+}
+
+TEST(DaemonMessage, KeepsTheSignOfZero) {
+  Frame frame;
+  frame.head.position = {-0.0f, 0.0f, -0.0f};
+  frame.seconds = -0.0;
+  const auto read = parseFrame(frameText(frame), true);
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(std::signbit(read->head.position.x));
+  EXPECT_FALSE(std::signbit(read->head.position.y));
+  EXPECT_TRUE(std::signbit(read->head.position.z));
+  EXPECT_TRUE(std::signbit(read->seconds));
 }
 
 TEST(DaemonMessage, TakesLostNumbersForNull) {

@@ -26,6 +26,7 @@ forewalk_test(service/capi_allocation_test.cpp LIBS capi forewalk::rdw forewalk:
 forewalk_test(service/capi_session_test.cpp LIBS capi forewalk::rdw forewalk::navmesh_build)
 forewalk_test(service/capi_world_test.cpp LIBS capi forewalk::rdw forewalk::navmesh_build)
 forewalk_test(service/capi_threads_test.cpp LIBS capi forewalk::rdw forewalk::navmesh_build)
+forewalk_test(service/capi_recording_test.cpp LIBS capi forewalk::rdw forewalk::navmesh_build session_recording)
 foreach(name capi_space_test capi_ways_test capi_log_test capi_live_world_test)
   forewalk_test(service/${name}.cpp LIBS capi forewalk::rdw forewalk::navmesh_build)
 endforeach()
@@ -34,6 +35,19 @@ if(TARGET capi_example_test)
   add_dependencies(capi_example_test frame_example)
   target_compile_definitions(capi_example_test PRIVATE
     FOREWALK_FRAME_EXAMPLE="$<TARGET_FILE:frame_example>")
+endif()
+forewalk_test(service/capi_guide_test.cpp)
+if(TARGET capi_guide_test)
+  set(flags)
+  if(FOREWALK_SANITIZE)
+    set(flags -fsanitize=${FOREWALK_SANITIZE})
+  endif()
+  add_dependencies(capi_guide_test capi)
+  target_compile_definitions(capi_guide_test PRIVATE
+    FOREWALK_C_COMPILER="${CMAKE_C_COMPILER}"
+    FOREWALK_C_FLAGS="${flags}"
+    FOREWALK_LIBRARY="$<TARGET_FILE:capi>"
+    FOREWALK_WORK="${CMAKE_CURRENT_BINARY_DIR}/guide")
 endif()
 forewalk_test(service/capi_header_test.cpp LIBS capi)
 if(TARGET capi_header_test)
