@@ -371,8 +371,9 @@ typedef struct forewalk_session_settings {
   forewalk_reset reset;
   uint32_t reserved2; /* 0 */
 
-  int32_t likelihoods; /* 0: only where the controller asks for them, so that the graph view names
-                          no ways with the others; default 1. Some microseconds a frame */
+  int32_t likelihoods; /* 1: names and likelihoods of ways in every frame, for forewalk_graph;
+                          default 0: only where the controller asks for them. They cost as much
+                          again as a graph by polygons */
   forewalk_heading_source heading_source;
 
   /* A room that others are in as well, in the place of border, width and holes, which are then not

@@ -66,7 +66,6 @@ forewalk_session_settings defaultSessionSettings() {
   settings.always_predict = 1;
   settings.method = static_cast<forewalk_method>(ours.method);
   settings.persistence = ours.front.persistence;
-  settings.likelihoods = 1;
   return settings;
 }
 

@@ -23,6 +23,7 @@ forewalk_session_settings settingsOf(forewalk_method method) {
   settings.controller = FOREWALK_CONTROLLER_NONE;
   settings.resets = 0;
   settings.horizon = 9.0f;
+  settings.likelihoods = 1;
   return settings;
 }
 

@@ -62,6 +62,24 @@ if(TARGET capi_header_test)
     FOREWALK_LIBRARY="$<TARGET_FILE:capi>"
     FOREWALK_PROJECT_VERSION="${PROJECT_VERSION}")
 
+  # Against the last release, where abigail-tools is there.
+  add_library(capi_shown SHARED service/abi/shown.c)
+  target_include_directories(capi_shown PRIVATE $<TARGET_PROPERTY:capi,INTERFACE_INCLUDE_DIRECTORIES>)
+  target_compile_options(capi_shown PRIVATE -std=gnu99 -g -O0 -fno-sanitize=all)
+  target_link_options(capi_shown PRIVATE -fno-sanitize=all)
+  add_dependencies(tests capi_shown)
+  find_program(ABIDIFF abidiff)
+  if(ABIDIFF)
+    add_test(NAME CapiAbi.IsThatOfTheLastRelease
+      COMMAND ${ABIDIFF} --no-added-syms
+              --suppressions ${CMAKE_CURRENT_SOURCE_DIR}/service/abi/grows.suppr
+              ${CMAKE_CURRENT_SOURCE_DIR}/service/abi/forewalk-0.1.abi $<TARGET_FILE:capi_shown>)
+  else()
+    add_test(NAME CapiAbi.IsThatOfTheLastRelease
+      COMMAND ${CMAKE_COMMAND} -E echo "skipped: there is no abidiff here (Debian: abigail-tools)")
+    set_tests_properties(CapiAbi.IsThatOfTheLastRelease PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped")
+  endif()
+
   find_program(CLANGXX NAMES clang++ clang++-14)
   if(CLANGXX)
     add_test(NAME CapiHeader.ServesCppWithoutExceptionsAndRtti
