@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets forewalk up on Debian 12 and runs it: ./forewalk.sh demo | test | test all | bench | help
+# Sets forewalk up on Debian 12 and runs it: ./forewalk.sh demo | test | test all | bench | wasm | help
 #
 # Installs what is missing (as root, or through sudo), builds below build/, runs. Doing it again does only
 # what is left to do. Takes no question; a step that fails is named, with what to look at.
@@ -13,6 +13,7 @@ PACKAGES=(g++ cmake make
 # clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
 # daemons; abidiff compares the C interface with the last release. Only `test all` asks for them.
 PACKAGES_ALL=(clang nginx-light abigail-tools)
+PACKAGES_WASM=(emscripten nodejs cmake make libglm-dev nlohmann-json3-dev libexpected-dev libfmt-dev)
 
 help() {
   cat <<'TEXT'
@@ -20,6 +21,7 @@ help() {
 ./forewalk.sh test      build and run the tests, optimised (minutes)
 ./forewalk.sh test all  the same, then with ASan and UBSan, then the threaded ones with TSan (longer)
 ./forewalk.sh bench     build and run the benchmarks
+./forewalk.sh wasm      build the package for browsers and node, build/wasm/service/wasm/package
 ./forewalk.sh help      this text
 
 Needs Debian 12, root or sudo for packages that are missing, and about 1 GB of disk.
@@ -75,7 +77,7 @@ configure() {  # configure PRESET
   # The generator and the compiler cache are chosen once; a build folder keeps its own.
   if [ ! -f "build/$1/CMakeCache.txt" ]; then
     if command -v ninja >/dev/null; then arguments+=(-G Ninja); fi
-    if command -v ccache >/dev/null; then
+    if command -v ccache >/dev/null && [ "$1" != wasm ]; then
       arguments+=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
     fi
   fi
@@ -126,10 +128,26 @@ test_preset() {  # test_preset PRESET DESCRIPTION TARGET...
   run_tests "$1"
 }
 
+build_wasm() {
+  export NODE_PATH=/usr/share/nodejs  # where Debian has what emcc optimises JavaScript with
+  begin "configuring wasm (WebAssembly, the frame side)"
+  configure wasm
+  begin "building wasm"
+  build wasm forewalk_core
+}
+
+wasm() {
+  steps=3
+  begin "installing what is missing"
+  install_packages "${PACKAGES_WASM[@]}"
+  build_wasm
+  printf '\nThe package is %s\n' "$PWD/build/wasm/service/wasm/package"
+}
+
 run_all_tests() {
   case "${1:-}" in
     "") steps=4 ;;
-    all) steps=10 ;;
+    all) steps=12 ;;
     *)
       help >&2
       exit 2
@@ -137,10 +155,11 @@ run_all_tests() {
   esac
   begin "installing what is missing"
   if [ "${1:-}" = all ]; then
-    install_packages "${PACKAGES[@]}" "${PACKAGES_ALL[@]}"
+    install_packages "${PACKAGES[@]}" "${PACKAGES_ALL[@]}" "${PACKAGES_WASM[@]}"
   else
     install_packages "${PACKAGES[@]}"
   fi
+  if [ "${1:-}" = all ]; then build_wasm; fi
   # Benchmarks are built only where all is asked for, so that they do not rot.
   if [ "${1:-}" = all ]; then
     test_preset release "optimised" all benchmarks
@@ -177,6 +196,7 @@ case "$verb" in
   demo) demo "$@" ;;
   test) run_all_tests "$@" ;;
   bench) bench "$@" ;;
+  wasm) wasm ;;
   help | -h | --help) help ;;
   *)
     printf 'forewalk.sh: there is no "%s".\n\n' "$verb" >&2

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <tl/expected.hpp>
+
+#include "navmesh/error.h"
 
 namespace forewalk::navmesh {
 
@@ -33,5 +36,10 @@ struct BuildSettings {
 
   bool operator==(const BuildSettings&) const = default;
 };
+
+/// Whether a navmesh can have been built with these: every number finite and not negative, the slope
+/// below pi/2. Names the first that is not (kDataDamaged). Whether they can build one is another matter
+/// (checkSettings in build.h).
+[[nodiscard]] tl::expected<void, Error> validate(const BuildSettings& settings);
 
 }  // namespace forewalk::navmesh

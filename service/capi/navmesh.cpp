@@ -1,38 +1,34 @@
-#include <cmath>
-#include <filesystem>
-#include <string_view>
+// Navmeshes that have been built: what frames walk on.
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "navmesh/build/build.h"
-#include "navmesh/build/fwmesh.h"
-#include "service/capi/build_settings.h"
+#include "navmesh/build/fwmesh_flat.h"
 #include "service/capi/log.h"
 #include "service/capi/navmesh_handle.h"
 #include "service/capi/status.h"
-#include "service/files.h"
-#include "service/parallel.h"
 
 namespace forewalk::capi {
 
-namespace {
-
-navmesh::BuildRun onAllCores() { return {service::onThreads(0), {}}; }
-
-forewalk_status handOut(const tl::expected<navmesh::NavMesh, Error>& navMesh, const char* scene,
-                        forewalk_navmesh** handle) {
-  if (!navMesh) return fail(navMesh.error());
-  auto world = service::makeWorld(*navMesh);
-  if (!world) return fail(world.error());
+forewalk_status handOut(const navmesh::PolygonMesh& polygons, std::vector<std::byte> fwmesh,
+                        const char* scene, forewalk_navmesh** handle) {
+  auto graph = navmesh::makeNavGraph(polygons);
+  if (!graph) return fail(graph.error());
   auto made = std::make_unique<forewalk_navmesh>();
-  made->world = std::move(*world);
-  made->fwmesh = navmesh::saveFwmesh(*navMesh);
+  made->world = std::make_shared<const navmesh::World>(navmesh::makeWorld(std::move(*graph)));
+  made->hash = 14695981039346656037u;
+  for (const std::byte byte : fwmesh) {
+    made->hash = (made->hash ^ std::to_integer<std::uint64_t>(byte)) * 0x100000001b3u;
+  }
+  made->fwmesh = std::move(fwmesh);
   made->scene = scene;
   tell(FOREWALK_LOG_INFO, "navmesh: {} polygons.", made->world->graph.polygonCount());
   *handle = made.release();
   return FOREWALK_OK;
 }
-
-}  // namespace
 
 }  // namespace forewalk::capi
 
@@ -40,51 +36,6 @@ using namespace forewalk;
 using namespace forewalk::capi;
 
 extern "C" {
-
-void forewalk_build_settings_init(forewalk_build_settings* settings) {
-  if (settings != nullptr) *settings = defaultBuildSettings();
-}
-
-forewalk_status forewalk_navmesh_from_file(const char* path,
-                                           const forewalk_build_settings* settings,
-                                           forewalk_navmesh** navmesh) {
-  if (navmesh != nullptr) *navmesh = nullptr;
-  if (path == nullptr || navmesh == nullptr) {
-    return failLiteral(FOREWALK_ERROR_ARGUMENT,
-                       "forewalk_navmesh_from_file: path or navmesh is null.");
-  }
-  return guarded([&]() -> forewalk_status {
-    Preparation preparation;
-    if (const forewalk_status status = read(settings, preparation)) return status;
-    const std::u8string name(path, path + std::strlen(path));
-    return handOut(service::loadNavMesh(std::filesystem::path(name), preparation.import,
-                                        preparation.build, onAllCores()),
-                   path, navmesh);
-  });
-}
-
-forewalk_status forewalk_navmesh_from_triangles(const float* vertices, size_t vertex_count,
-                                                const uint32_t* indices, size_t index_count,
-                                                forewalk_axes axes,
-                                                const forewalk_build_settings* settings,
-                                                forewalk_navmesh** navmesh) {
-  if (navmesh != nullptr) *navmesh = nullptr;
-  if (navmesh == nullptr) {
-    return failLiteral(FOREWALK_ERROR_ARGUMENT,
-                       "forewalk_navmesh_from_triangles: navmesh is null.");
-  }
-  return guarded([&]() -> forewalk_status {
-    Preparation preparation;
-    if (const forewalk_status status = read(settings, preparation)) return status;
-    navmesh::Scene scene;
-    if (const auto status =
-            sceneFrom({vertices, vertex_count, indices, index_count}, axes, preparation, scene)) {
-      return status;
-    }
-    return handOut(navmesh::buildNavMesh(scene, preparation.build, onAllCores()),
-                   "triangles in memory", navmesh);
-  });
-}
 
 forewalk_status forewalk_navmesh_from_fwmesh(const void* bytes, size_t byte_count,
                                              forewalk_navmesh** navmesh) {
@@ -95,7 +46,9 @@ forewalk_status forewalk_navmesh_from_fwmesh(const void* bytes, size_t byte_coun
   }
   return guarded([&]() -> forewalk_status {
     const std::span<const std::byte> span(static_cast<const std::byte*>(bytes), byte_count);
-    return handOut(navmesh::loadFwmesh(span, "fwmesh in memory"), "fwmesh in memory", navmesh);
+    const auto flat = navmesh::loadFlatFwmesh(span, "fwmesh in memory");
+    if (!flat) return fail(flat.error());
+    return handOut(flat->polygons, {span.begin(), span.end()}, "fwmesh in memory", navmesh);
   });
 }
 

@@ -11,14 +11,16 @@
 
 #include "navmesh/world.h"
 #include "rdw/session.h"
+#include "service/capi/forewalk.h"
 
 /// Only read after it is made, but for `owners` and what is made when first asked for. Sessions
 /// hold the world, not this.
 struct forewalk_navmesh {
   std::shared_ptr<const forewalk::navmesh::World> world;
   std::vector<std::byte>
-      fwmesh;         ///< kept in place of the half-edge mesh, which is several times larger
-  std::string scene;  ///< what it was made from, for recordings
+      fwmesh;              ///< kept in place of the half-edge mesh, which is several times larger
+  std::string scene;       ///< what it was made from, for recordings
+  std::uint64_t hash = 0;  ///< FNV-1a of `fwmesh`, for recordings
   std::atomic<std::uint32_t> owners{1};
 
   /// What all sessions by fronts share. Any thread; the first one makes it.
@@ -31,3 +33,11 @@ struct forewalk_navmesh {
   mutable std::once_flag frontIndexMade_;
   mutable std::shared_ptr<const forewalk::prediction::FrontIndex> frontIndex_;
 };
+
+namespace forewalk::capi {
+
+/// Fills a navmesh that was checked into *handle, the caller's. Fails as makeNavGraph does.
+forewalk_status handOut(const navmesh::PolygonMesh& polygons, std::vector<std::byte> fwmesh,
+                        const char* scene, forewalk_navmesh** handle);
+
+}  // namespace forewalk::capi

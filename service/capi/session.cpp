@@ -3,11 +3,8 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 #include <limits>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 
@@ -18,7 +15,6 @@
 #include "service/capi/session_handle.h"
 #include "service/capi/session_settings.h"
 #include "service/capi/status.h"
-#include "service/daemon/recording_format.h"
 
 namespace forewalk::capi {
 
@@ -153,34 +149,6 @@ double headingOf(const std::optional<glm::vec3>& direction) {
   return direction ? rdw::headingOf(*direction) : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Goes on from the state that the session is in as every other would that resumes it.
-void beginRecording(forewalk_session& session) {
-  const rdw::SessionState state = session.session.state();
-  if (session.session.resume(state)) {
-    session.recording->begin(daemon::stateBytes({session.number, state},
-                                                session.navMesh.value_or(daemon::NavMeshHash{})));
-  } else {
-    session.recording->giveUp();
-  }
-}
-
-void record(forewalk_session& session, const rdw::HeadPose& head, double seconds) {
-  using Phase = SessionRecording::Phase;
-  switch (session.recording->phase()) {
-    case Phase::kWaiting:
-      return beginRecording(session);
-    case Phase::kRunning:
-      return session.recording->put(head, seconds, session.gaze, session.chest, session.session);
-    case Phase::kOver:
-      return;
-  }
-}
-
-bool records(const forewalk_session& session) {
-  return session.recording != nullptr &&
-         session.recording->phase() == SessionRecording::Phase::kRunning;
-}
-
 }  // namespace
 
 forewalk_status createSession(std::shared_ptr<const navmesh::World> world,
@@ -237,7 +205,7 @@ forewalk_status forewalk_session_create(const forewalk_navmesh* navmesh,
       return status;
     }
     (*session)->scene = navmesh->scene;
-    (*session)->navMesh = daemon::hashOf(std::span<const std::byte>(navmesh->fwmesh));
+    (*session)->groundHash = navmesh->hash;
     return FOREWALK_OK;
   });
 }
@@ -260,8 +228,8 @@ forewalk_status forewalk_frame(forewalk_session* session, forewalk_vec3 head_pos
     session->graphIsThisFrames = false;
     const Clock::time_point start = Clock::now();
     const bool wasTurning = session->session.result().reset.turning;
-    if (session->follows && session->follows->update(session->session) && records(*session)) {
-      session->recording->putWorldChange();
+    if (session->follows && session->follows->update(session->session) && session->recorder) {
+      session->recorder->worldChange();
     }
     if (session->member) seeOthers(*session);
     const rdw::HeadPose head = poseFrom(session->axes, {head_position, head_orientation});
@@ -271,7 +239,7 @@ forewalk_status forewalk_frame(forewalk_session* session, forewalk_vec3 head_pos
     const rdw::FrameResult& result = session->session.steer();
     if (session->member) showOthers(*session, result);
     logFrame(*session, result, wasTurning);
-    if (session->recording) record(*session, head, seconds);
+    if (session->recorder) session->recorder->frame(*session, head, seconds);
     session->flags = result.flags;
     session->framed = true;
     forewalk_frame_out answer = frameOut(session->axes, result);
@@ -294,7 +262,7 @@ forewalk_status forewalk_session_teleport(forewalk_session* session, forewalk_ve
     }
     const rdw::VirtualStart to = startFrom(session->axes, floor, heading);
     if (session->session.teleport(to)) {
-      if (records(*session)) session->recording->putTeleport(to);
+      if (session->recorder) session->recorder->teleport(to);
       return FOREWALK_OK;
     }
     return fail(FOREWALK_ERROR_POSITION_OFF_NAVMESH,
@@ -322,27 +290,6 @@ forewalk_status forewalk_session_set_chest(forewalk_session* session,
   session->chest = directionFrom(session->axes, direction);
   session->session.setChest(headingOf(session->chest));
   return FOREWALK_OK;
-}
-
-forewalk_status forewalk_session_record(forewalk_session* session, const char* path) {
-  if (session == nullptr) {
-    return failLiteral(FOREWALK_ERROR_ARGUMENT, "forewalk_session_record: session is null.");
-  }
-  return guarded([&]() -> forewalk_status {
-    session->recording.reset();
-    if (path == nullptr) return FOREWALK_OK;
-    const std::u8string name(path, path + std::strlen(path));
-    // Nor do recordings hold links and who stands where.
-    const bool whole = session->navMesh && session->links.empty() && session->standing.empty();
-    auto recording = SessionRecording::make(
-        std::filesystem::path(name), session->scene,
-        whole ? daemon::textOf(*session->navMesh) : std::string(daemon::kMovingWorld),
-        daemon::settingsText(session->session.settings()), session->number);
-    if (!recording) return fail(recording.error());
-    session->recording = std::move(*recording);
-    if (session->framed) beginRecording(*session);
-    return FOREWALK_OK;
-  });
 }
 
 forewalk_status forewalk_graph(forewalk_session* session, forewalk_graph_view* view) {

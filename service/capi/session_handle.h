@@ -1,4 +1,7 @@
 // What a forewalk_session is.
+//
+// What needs threads or files hangs on two interfaces, so that a build without them (service/wasm)
+// has all the rest.
 #pragma once
 
 #include <atomic>
@@ -14,10 +17,28 @@
 #include "rdw/session.h"
 #include "service/capi/flat_graph.h"
 #include "service/capi/forewalk.h"
-#include "service/capi/session_recording.h"
 #include "service/capi/space_handle.h"
-#include "service/daemon/session_bytes.h"
-#include "service/live_world.h"
+
+namespace forewalk::capi {
+
+/// A world that moves by itself, and whose newest version a session takes between its frames.
+class WorldFollower {
+ public:
+  virtual ~WorldFollower() = default;
+  virtual bool update(rdw::Session& session) = 0;  ///< true where it took one
+};
+
+/// Whoever writes a session's frames down. Allocates and waits for nothing.
+class FrameRecorder {
+ public:
+  virtual ~FrameRecorder() = default;
+  /// After a frame, with what it was told.
+  virtual void frame(forewalk_session& session, const rdw::HeadPose& head, double seconds) = 0;
+  virtual void teleport(const rdw::VirtualStart& to) = 0;
+  virtual void worldChange() = 0;
+};
+
+}  // namespace forewalk::capi
 
 struct forewalk_session {
   forewalk_session(forewalk::rdw::Session made, forewalk_axes spoken)
@@ -35,16 +56,15 @@ struct forewalk_session {
   forewalk_axes axes;
   forewalk::capi::FlatGraph graph;
   bool graphIsThisFrames = false;
-  forewalk::capi::SpaceMember member;                     ///< of a space that it shares with others
-  std::optional<forewalk::service::WorldReader> follows;  ///< a world that moves by itself
-  std::shared_ptr<forewalk::service::LiveWorld> followed;
+  forewalk::capi::SpaceMember member;  ///< of a space that it shares with others
+  std::unique_ptr<forewalk::capi::WorldFollower> follows;  ///< null: it is in a navmesh
+  std::unique_ptr<forewalk::capi::FrameRecorder> recorder;
   std::optional<glm::vec3> gaze, chest;  ///< as told last, our axes
-  std::unique_ptr<forewalk::capi::SessionRecording> recording;
-  std::string scene;  ///< for recordings: what it walks in, and the hash of that; none: it moves
-  std::optional<forewalk::daemon::NavMeshHash> navMesh;
-  std::uint32_t number;     ///< its name in the log, from 1
-  std::uint32_t flags = 0;  ///< of the last frame, for what is told once
-  bool framed = false;      ///< it has had a frame
+  std::string scene;                     ///< what its navmesh was made from
+  std::uint64_t groundHash = 0;          ///< of its navmesh (contentHash); 0: it moves
+  std::uint32_t number;                  ///< its name in the log, from 1
+  std::uint32_t flags = 0;               ///< of the last frame, for what is told once
+  bool framed = false;                   ///< it has had a frame
 };
 
 namespace forewalk::capi {

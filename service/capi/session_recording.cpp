@@ -4,10 +4,13 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <span>
 #include <utility>
 
 #include "service/capi/log.h"
+#include "service/capi/status.h"
 #include "service/daemon/recording_format.h"
+#include "service/daemon/session_bytes.h"
 
 namespace forewalk::capi {
 
@@ -19,7 +22,7 @@ constexpr std::chrono::milliseconds kWriteEvery{50};
 }  // namespace
 
 tl::expected<std::unique_ptr<SessionRecording>, Error> SessionRecording::make(
-    const std::filesystem::path& file, std::string scene, std::string navMesh, std::string settings,
+    const std::filesystem::path& file, std::string scene, std::string settings,
     std::uint32_t session) {
   std::FILE* opened = std::fopen(file.string().c_str(), "wb");
   if (opened == nullptr) {
@@ -29,7 +32,6 @@ tl::expected<std::unique_ptr<SessionRecording>, Error> SessionRecording::make(
   }
   std::unique_ptr<SessionRecording> made(new SessionRecording(opened, file.string()));
   made->scene_ = std::move(scene);
-  made->navMesh_ = std::move(navMesh);
   made->settings_ = std::move(settings);
   made->session_ = session;
   return made;
@@ -48,9 +50,17 @@ SessionRecording::~SessionRecording() {
   std::fclose(file_);
 }
 
-void SessionRecording::begin(const std::string& stateBytes) {
-  std::string head =
-      daemon::recordingHead(std::to_string(session_), scene_, navMesh_, settings_, stateBytes);
+void SessionRecording::begin(forewalk_session& session) {
+  const rdw::SessionState state = session.session.state();
+  if (!session.session.resume(state)) return giveUp();
+  daemon::NavMeshHash ground;
+  for (std::size_t i = 0; i < ground.size(); ++i) {
+    ground[i] = static_cast<std::uint8_t>(session.groundHash >> (8 * (ground.size() - 1 - i)));
+  }
+  std::string head = daemon::recordingHead(
+      std::to_string(session_), scene_,
+      session.groundHash == 0 ? std::string(daemon::kMovingWorld) : daemon::textOf(ground),
+      settings_, daemon::stateBytes({session.number, state}, ground));
   const std::lock_guard lock(mutex_);
   head_ = std::move(head);
   phase_ = Phase::kRunning;
@@ -64,6 +74,7 @@ void SessionRecording::giveUp() {
 }
 
 SessionRecording::Entry* SessionRecording::next() {
+  if (phase_ != Phase::kRunning) return nullptr;
   const std::size_t written = written_.load(std::memory_order_relaxed);
   if (failed_.load(std::memory_order_relaxed) ||
       written - read_.load(std::memory_order_acquire) == kRoom) {
@@ -77,23 +88,23 @@ void SessionRecording::advance() {
   written_.store(written_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
 }
 
-void SessionRecording::put(const rdw::HeadPose& head, double seconds,
-                           const std::optional<glm::vec3>& gaze,
-                           const std::optional<glm::vec3>& chest, const rdw::Session& session) {
+void SessionRecording::frame(forewalk_session& session, const rdw::HeadPose& head, double seconds) {
+  if (phase_ == Phase::kWaiting) return begin(session);
   Entry* entry = next();
   if (entry == nullptr) return;
   entry->kind = Entry::Kind::kFrame;
   entry->head = head;
   entry->seconds = seconds;
-  entry->gaze = gaze;
-  entry->chest = chest;
-  entry->otherCount = session.others().size();
-  std::copy(session.others().begin(), session.others().end(), entry->others.begin());
-  entry->answer = daemon::answerOf(sequence_++, session.result());
+  entry->gaze = session.gaze;
+  entry->chest = session.chest;
+  const std::span<const rdw::OtherUser> others = session.session.others();
+  entry->otherCount = others.size();
+  std::copy(others.begin(), others.end(), entry->others.begin());
+  entry->answer = daemon::answerOf(sequence_++, session.session.result());
   advance();
 }
 
-void SessionRecording::putTeleport(const rdw::VirtualStart& to) {
+void SessionRecording::teleport(const rdw::VirtualStart& to) {
   Entry* entry = next();
   if (entry == nullptr) return;
   entry->kind = Entry::Kind::kTeleport;
@@ -101,7 +112,7 @@ void SessionRecording::putTeleport(const rdw::VirtualStart& to) {
   advance();
 }
 
-void SessionRecording::putWorldChange() {
+void SessionRecording::worldChange() {
   Entry* entry = next();
   if (entry == nullptr) return;
   entry->kind = Entry::Kind::kWorldChange;
@@ -160,3 +171,24 @@ void SessionRecording::run() {
 }
 
 }  // namespace forewalk::capi
+
+using namespace forewalk;
+using namespace forewalk::capi;
+
+extern "C" forewalk_status forewalk_session_record(forewalk_session* session, const char* path) {
+  if (session == nullptr) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT, "forewalk_session_record: session is null.");
+  }
+  return guarded([&]() -> forewalk_status {
+    session->recorder.reset();
+    if (path == nullptr) return FOREWALK_OK;
+    const std::u8string name(path, path + std::strlen(path));
+    auto recording =
+        SessionRecording::make(std::filesystem::path(name), session->scene,
+                               daemon::settingsText(session->session.settings()), session->number);
+    if (!recording) return fail(recording.error());
+    if (session->framed) (*recording)->begin(*session);
+    session->recorder = std::move(*recording);
+    return FOREWALK_OK;
+  });
+}

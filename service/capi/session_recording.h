@@ -20,20 +20,21 @@
 #include <vector>
 
 #include "rdw/session.h"
+#include "service/capi/session_handle.h"
 #include "service/daemon/message.h"
 
 namespace forewalk::capi {
 
-class SessionRecording {
+class SessionRecording final : public FrameRecorder {
  public:
-  /// Makes the file, in the place of one of that name, and starts the thread. `navMesh` is the hash
-  /// of what the session walks in. Fails (kFileUnwritable) with the system's reason.
+  /// Makes the file, in the place of one of that name, and starts the thread. Fails
+  /// (kFileUnwritable) with the system's reason.
   [[nodiscard]] static tl::expected<std::unique_ptr<SessionRecording>, Error> make(
-      const std::filesystem::path& file, std::string scene, std::string navMesh,
-      std::string settings, std::uint32_t session);
+      const std::filesystem::path& file, std::string scene, std::string settings,
+      std::uint32_t session);
   SessionRecording(const SessionRecording&) = delete;
   SessionRecording& operator=(const SessionRecording&) = delete;
-  ~SessionRecording();  ///< writes what it was given
+  ~SessionRecording() override;  ///< writes what it was given
 
   enum class Phase : std::uint8_t {
     kWaiting,  ///< for the session's first frame
@@ -42,20 +43,16 @@ class SessionRecording {
   };
   Phase phase() const { return phase_; }
 
-  /// What the frames to come go on from (daemon::stateBytes); then they are recorded.
-  void begin(const std::string& stateBytes);
+  /// Goes on from the state that the session is in as every other would that resumes it, and
+  /// records its frames from now on.
+  void begin(forewalk_session& session);
 
-  /// Nothing more is recorded. The log hears of it.
-  void giveUp();
-
-  /// One frame of the session, just made. Where the disk has not kept up for kRoom frames, or has
-  /// failed, gives up. While running; wait-free.
-  void put(const rdw::HeadPose& head, double seconds, const std::optional<glm::vec3>& gaze,
-           const std::optional<glm::vec3>& chest, const rdw::Session& session);
-
-  /// What came between two frames; as put().
-  void putTeleport(const rdw::VirtualStart& to);
-  void putWorldChange();
+  /// Begins where it waits; else puts the frame into the ring. Where the disk has not kept up for
+  /// kRoom frames, or has failed, gives up, and the log hears of it. Wait-free, but for the
+  /// beginning.
+  void frame(forewalk_session& session, const rdw::HeadPose& head, double seconds) override;
+  void teleport(const rdw::VirtualStart& to) override;
+  void worldChange() override;
 
   static constexpr std::size_t kRoom = 1024;  ///< frames on their way, 11 s at 90 Hz
 
@@ -71,6 +68,7 @@ class SessionRecording {
     rdw::VirtualStart teleport;
   };
   explicit SessionRecording(std::FILE* file, std::string name);
+  void giveUp();
   Entry* next();  // to be filled in and handed over by advance(); null: given up
   void advance();
   void run();
@@ -79,7 +77,7 @@ class SessionRecording {
 
   std::FILE* file_;
   std::string name_;
-  std::string scene_, navMesh_, settings_;
+  std::string scene_, settings_;
   std::uint32_t session_ = 0;
   Phase phase_ = Phase::kWaiting;  // the session's thread alone
   std::uint32_t sequence_ = 0;

@@ -44,10 +44,10 @@ tl::expected<std::shared_ptr<const navmesh::PolygonStates>, Error> statesOf(
   return std::make_shared<const navmesh::PolygonStates>(std::move(*states));
 }
 
+// Recordings hold no links, nobody who stands, and no other navmesh.
 void noteWorldChange(forewalk_session& session) {
-  if (session.recording && session.recording->phase() == SessionRecording::Phase::kRunning) {
-    session.recording->putWorldChange();
-  }
+  session.groundHash = 0;
+  if (session.recorder) session.recorder->worldChange();
 }
 
 }  // namespace
@@ -122,7 +122,6 @@ forewalk_status forewalk_session_enter(forewalk_session* session, const forewalk
     FlatGraph graph(navmesh->world->graph, settings.prediction.polygons, settings.method);
     session->session.enter(next);
     noteWorldChange(*session);
-    session->navMesh.reset();
     session->graph = std::move(graph);
     session->graphIsThisFrames = false;
     return FOREWALK_OK;

@@ -153,6 +153,18 @@ forewalk_status makeWorld(const forewalk_world_settings* given, MakeScene makeSc
   return FOREWALK_OK;
 }
 
+// A session's view of the world, which it keeps alive.
+class Follower final : public WorldFollower {
+ public:
+  Follower(std::shared_ptr<service::LiveWorld> world, service::WorldReader reader)
+      : world_(std::move(world)), reader_(std::move(reader)) {}
+  bool update(rdw::Session& session) override { return reader_.update(session); }
+
+ private:
+  std::shared_ptr<service::LiveWorld> world_;
+  service::WorldReader reader_;
+};
+
 forewalk_status statusOf(const tl::expected<void, Error>& done) {
   return done ? FOREWALK_OK : fail(done.error());
 }
@@ -325,8 +337,7 @@ forewalk_status forewalk_session_create_in_world(forewalk_world* world,
     ours->states = reader.version().states;
     if (const auto status = createSession(reader.version().world, known, std::move(*ours), session))
       return status;
-    (*session)->follows = std::move(reader);
-    (*session)->followed = world->world;
+    (*session)->follows = std::make_unique<Follower>(world->world, std::move(reader));
     return FOREWALK_OK;
   });
 }

@@ -94,6 +94,22 @@ if(TARGET capi_header_test)
   endif()
 endif()
 
+# WebAssembly against this library, where both have been built (./forewalk.sh wasm).
+add_executable(native_walk service/wasm/native_walk.cpp)
+target_link_libraries(native_walk PRIVATE capi forewalk::service fmt::fmt project_options)
+target_compile_options(native_walk PRIVATE $<$<CONFIG:Release>:-O1>)
+target_compile_definitions(native_walk PRIVATE
+  FOREWALK_SHARED_DATA="${FOREWALK_SHARED_DATA}" FOREWALK_ASSETS="${PROJECT_SOURCE_DIR}/assets")
+if(NOT FOREWALK_SANITIZE)
+  add_dependencies(tests native_walk)
+  add_test(NAME Wasm.AgreesWithTheNativeLibrary
+    COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/service/wasm/agreement.sh
+            ${PROJECT_SOURCE_DIR}/build/wasm/service/wasm/package $<TARGET_FILE:native_walk>
+            ${CMAKE_CURRENT_BINARY_DIR}/wasm)
+  set_tests_properties(Wasm.AgreesWithTheNativeLibrary PROPERTIES
+    SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 300)
+endif()
+
 # Which way will they take: fitting and judging.
 forewalk_test(service/fitting_test.cpp LIBS forewalk::service)
 forewalk_test(service/evaluation_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)

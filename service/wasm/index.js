@@ -1,0 +1,392 @@
+// forewalk's C interface for JavaScript. index.d.ts says what everything means; service/capi/forewalk.h is
+// the contract underneath.
+import forewalkCore from './forewalk_core.js';
+
+const AXES = {openxr: 0, unity: 1, unreal: 2};
+const CONTROLLERS = ['none', 's2c', 's2o', 's2c-predictive', 's2o-predictive', 's2mt', 's2mt+c', 'zigzag',
+  'p2r', 'messinger', 'dynamic-apf', 'haptics', 'arc', 'visibility', 'foresight', 'mpcred', 'force'];
+const RESETS = ['two-one-turn', 'freeze-turn', 'freeze-backup', 'r2c', 'mr2c', 'r2g', 'sfr2g', 'r2fd', 'ahead'];
+const LIMITS = ['steinicke', 'laboratory', 'neth', 'toolkit'];
+const CUSTOM_LIMITS = 4;
+const METHODS = ['polygon', 'front'];
+const HEADINGS = ['head', 'chest', 'walking'];
+const INSTRUCTIONS = ['none', 'turn-around', 'keep-turning', 'walk-back', 'step-back', 'turn-left', 'turn-right'];
+const PHASES = ['none', 'near', 'outside', 'backward', 'turn', 'turning'];
+const KINDS = ['source', 'branch', 'terminal', 'join'];
+const REASONS = [null, 'horizon', 'dead-end', 'meeting'];
+const NONE = 0xffffffff;
+
+/** Bits of Frame.flags. */
+export const Flags = Object.freeze({
+  firstFrame: 1, timeStoodStill: 2, timeRanBackwards: 4, timeGap: 8, trackingJump: 16, poseNotFinite: 32,
+  orientationNotUnit: 64, orientationUnusable: 128, outsideSpace: 256, borderNear: 512, offNavmesh: 1024,
+  snapped: 2048, graphLimit: 4096, groundTaken: 8192,
+});
+
+/** What the library refused, in its own words. `status` is forewalk_status. */
+export class ForewalkError extends Error {
+  constructor(status, message) {
+    super(message);
+    this.name = 'ForewalkError';
+    this.status = status;
+  }
+}
+
+const indexOf = (list, name, what) => {
+  const index = list.indexOf(name);
+  if (index < 0) throw new ForewalkError(100, `${what} "${name}" is not known: give one of ${list.join(', ')}.`);
+  return index;
+};
+
+// Memory of the module for the length of one call.
+class Scratch {
+  constructor(core) {
+    this.core = core;
+    this.taken = [];
+  }
+  take(bytes) {
+    const at = this.core._malloc(Math.max(bytes, 1));
+    if (at === 0) throw new ForewalkError(101, `out of memory: ${bytes} bytes.`);
+    this.taken.push(at);
+    return at;
+  }
+  floats(values) {
+    const at = this.take(4 * values.length);
+    this.core.HEAPF32.set(values, at >> 2);
+    return at;
+  }
+  free() {
+    for (const at of this.taken) this.core._free(at);
+  }
+}
+
+class Library {
+  constructor(core) {
+    this.core = core;
+    this.layout = JSON.parse(core.UTF8ToString(core._forewalk_wasm_layout()));
+    const version = core._forewalk_version();
+    this.version = `${version >>> 16}.${(version >>> 8) & 255}.${version & 255}`;
+    this.pointer = core._malloc(8);
+    // Structs that are handed over by value go as addresses.
+    this.position = core._malloc(12);
+    this.orientation = core._malloc(16);
+    this.out = core._malloc(this.layout['frame_out.size']);
+    this.view = core._malloc(this.layout['graph_view.size']);
+    core.HEAPU32[this.out >> 2] = this.layout['frame_out.size'];
+    core.HEAPU32[this.view >> 2] = this.layout['graph_view.size'];
+  }
+
+  check(status) {
+    if (status !== 0) {
+      throw new ForewalkError(status, this.core.UTF8ToString(this.core._forewalk_last_error()));
+    }
+  }
+
+  with(body) {
+    const scratch = new Scratch(this.core);
+    try {
+      return body(scratch);
+    } finally {
+      scratch.free();
+    }
+  }
+
+  // Fills the struct at `at`; `put` writes fields by their C names.
+  writer(struct, at) {
+    const {core, layout} = this;
+    const place = (name) => {
+      const offset = layout[`${struct}.${name}`];
+      if (offset === undefined) throw new ForewalkError(102, `${struct} has no ${name}.`);
+      return at + offset;
+    };
+    return {
+      int: (name, value) => { core.HEAP32[place(name) >> 2] = value; },
+      uint: (name, value) => { core.HEAPU32[place(name) >> 2] = value; },
+      float: (name, value) => { core.HEAPF32[place(name) >> 2] = value; },
+      floats: (name, values) => { core.HEAPF32.set(values, place(name) >> 2); },
+    };
+  }
+
+  // A tracked space in `put`, which is that of a session's or a space's settings.
+  putRoom(put, room, scratch) {
+    if (room.width !== undefined) put.float('width', room.width);
+    if (room.depth !== undefined) put.float('depth', room.depth);
+    if (room.border) {
+      put.uint('border', scratch.floats(room.border.flat()));
+      put.uint('border_count', room.border.length);
+    }
+    if (room.holes && room.holes.length > 0) {
+      const sizes = scratch.take(4 * room.holes.length);
+      this.core.HEAPU32.set(room.holes.map((hole) => hole.length), sizes >> 2);
+      put.uint('hole_points', scratch.floats(room.holes.flat(2)));
+      put.uint('hole_sizes', sizes);
+      put.uint('hole_count', room.holes.length);
+    }
+  }
+
+  navmesh(bytes) {
+    return this.with((scratch) => {
+      const at = scratch.take(bytes.length);
+      this.core.HEAPU8.set(bytes, at);
+      this.check(this.core._forewalk_navmesh_from_fwmesh(at, bytes.length, this.pointer));
+      return new Navmesh(this, this.core.HEAPU32[this.pointer >> 2]);
+    });
+  }
+
+  space(settings = {}) {
+    return this.with((scratch) => {
+      const at = scratch.take(this.layout['space_settings.size']);
+      this.core._forewalk_space_settings_init(at);
+      const put = this.writer('space_settings', at);
+      if (settings.axes) put.int('axes', indexOf(Object.keys(AXES), settings.axes, 'axes'));
+      this.putRoom(put, settings, scratch);
+      if (settings.bodyRadius !== undefined) put.float('body_radius', settings.bodyRadius);
+      if (settings.userLimit !== undefined) put.uint('user_limit', settings.userLimit);
+      this.check(this.core._forewalk_space_create(at, this.pointer));
+      return new Space(this, this.core.HEAPU32[this.pointer >> 2]);
+    });
+  }
+}
+
+class Handle {
+  constructor(library, at, end) {
+    this.library = library;
+    this.at = at;
+    this.end = end;
+  }
+  get handle() {
+    if (this.at === 0) throw new ForewalkError(100, 'used after it was released.');
+    return this.at;
+  }
+  release() {
+    if (this.at !== 0) this.end(this.at);
+    this.at = 0;
+  }
+}
+
+class Navmesh extends Handle {
+  constructor(library, at) {
+    super(library, at, library.core._forewalk_navmesh_release);
+  }
+  get polygonCount() {
+    return this.library.core._forewalk_navmesh_polygon_count(this.handle);
+  }
+  session(settings = {}) {
+    const {library} = this;
+    const {core} = library;
+    return library.with((scratch) => {
+      const at = scratch.take(library.layout['session_settings.size']);
+      core._forewalk_session_settings_init(at);
+      const put = library.writer('session_settings', at);
+      if (settings.axes) put.int('axes', indexOf(Object.keys(AXES), settings.axes, 'axes'));
+      if (settings.controller) put.int('controller', indexOf(CONTROLLERS, settings.controller, 'controller'));
+      if (settings.reset) put.int('reset', indexOf(RESETS, settings.reset, 'reset'));
+      if (typeof settings.limits === 'string') {
+        put.int('limits', indexOf(LIMITS, settings.limits, 'limits'));
+      } else if (settings.limits) {
+        put.int('limits', CUSTOM_LIMITS);
+        for (const [name, field] of [['translationMin', 'translation_min'], ['translationMax', 'translation_max'],
+          ['rotationMin', 'rotation_min'], ['rotationMax', 'rotation_max'], ['curvatureMax', 'curvature_max'],
+          ['bendingMin', 'bending_min'], ['bendingMax', 'bending_max']]) {
+          if (settings.limits[name] !== undefined) put.float(field, settings.limits[name]);
+        }
+      }
+      if (settings.horizon !== undefined) put.float('horizon', settings.horizon);
+      if (settings.space) put.uint('space', settings.space.handle);
+      library.putRoom(put, settings, scratch);
+      if (settings.start) {
+        put.int('has_start', 1);
+        put.floats('start_floor', settings.start.floor);
+        put.float('start_heading', settings.start.heading ?? 0);
+      }
+      if (settings.polygonLimit !== undefined) put.uint('polygon_limit', settings.polygonLimit);
+      if (settings.resets !== undefined) put.int('resets', settings.resets ? 1 : 0);
+      if (settings.alwaysPredict !== undefined) put.int('always_predict', settings.alwaysPredict ? 1 : 0);
+      if (settings.method) put.int('method', indexOf(METHODS, settings.method, 'method'));
+      if (settings.persistence !== undefined) put.float('persistence', settings.persistence);
+      if (settings.likelihoods !== undefined) put.int('likelihoods', settings.likelihoods ? 1 : 0);
+      if (settings.headingSource) {
+        put.int('heading_source', indexOf(HEADINGS, settings.headingSource, 'headingSource'));
+      }
+      library.check(core._forewalk_session_create(this.handle, at, library.pointer));
+      return new Session(library, core.HEAPU32[library.pointer >> 2]);
+    });
+  }
+}
+
+class Space extends Handle {
+  constructor(library, at) {
+    super(library, at, library.core._forewalk_space_release);
+  }
+}
+
+/** A frame's answer to be filled again and again: frames make no garbage. */
+export const emptyFrame = () => ({
+  flags: 0, position: new Float32Array(3), orientation: new Float32Array(4), translation: 1, rotation: 1,
+  curvature: 0, bending: 1, injectedYaw: 0, injectedTranslation: new Float32Array(3), resetting: false,
+  instruction: 'none', resetRemaining: 0, resetTurned: 0, resetCount: 0, graphNodes: 0, resetPhase: 'none',
+  resetBack: 0, resetDirection: new Float32Array(3),
+});
+
+class Session extends Handle {
+  constructor(library, at) {
+    super(library, at, library.core._forewalk_session_destroy);
+    this.last = emptyFrame();
+    this.at_ = {};
+    for (const [name, offset] of Object.entries(library.layout)) {
+      if (name.startsWith('frame_out.')) this.at_[name.slice('frame_out.'.length)] = (library.out + offset) >> 2;
+    }
+  }
+
+  frame(position, orientation, seconds, frame = this.last) {
+    const {library, at_} = this;
+    const {core} = library;
+    const p = library.position >> 2;
+    const q = library.orientation >> 2;
+    let f = core.HEAPF32;
+    f[p] = position[0];
+    f[p + 1] = position[1];
+    f[p + 2] = position[2];
+    f[q] = orientation[0];
+    f[q + 1] = orientation[1];
+    f[q + 2] = orientation[2];
+    f[q + 3] = orientation[3];
+    library.check(core._forewalk_frame(this.handle, library.position, library.orientation, seconds, library.out));
+    f = core.HEAPF32;  // memory may have grown
+    const u = core.HEAPU32;
+    frame.flags = u[at_.flags];
+    const pose = at_.virtual_pose;
+    for (let i = 0; i < 3; ++i) frame.position[i] = f[pose + i];
+    for (let i = 0; i < 4; ++i) frame.orientation[i] = f[pose + 3 + i];
+    frame.translation = f[at_.translation];
+    frame.rotation = f[at_.rotation];
+    frame.curvature = f[at_.curvature];
+    frame.bending = f[at_.bending];
+    frame.injectedYaw = f[at_.injected_yaw];
+    for (let i = 0; i < 3; ++i) frame.injectedTranslation[i] = f[at_.injected_translation + i];
+    frame.resetting = u[at_.resetting] !== 0;
+    frame.instruction = INSTRUCTIONS[u[at_.instruction]];
+    frame.resetRemaining = f[at_.reset_remaining];
+    frame.resetTurned = f[at_.reset_turned];
+    frame.resetCount = u[at_.reset_count];
+    frame.graphNodes = u[at_.graph_nodes];
+    frame.resetPhase = PHASES[u[at_.reset_phase]];
+    frame.resetBack = f[at_.reset_back];
+    for (let i = 0; i < 3; ++i) frame.resetDirection[i] = f[at_.reset_direction + i];
+    return frame;
+  }
+
+  teleport(floor, heading = 0) {
+    const {library} = this;
+    library.core.HEAPF32.set(floor, library.position >> 2);
+    library.check(library.core._forewalk_session_teleport(this.handle, library.position, heading));
+  }
+
+  setGaze(direction) {
+    this.direct('_forewalk_session_set_gaze', direction);
+  }
+  setChest(direction) {
+    this.direct('_forewalk_session_set_chest', direction);
+  }
+  direct(name, direction) {
+    const {library} = this;
+    if (direction) library.core.HEAPF32.set(direction, library.position >> 2);
+    library.check(library.core[name](this.handle, direction ? library.position : 0));
+  }
+
+  setLinks(links) {
+    const {library} = this;
+    library.with((scratch) => {
+      const size = library.layout['link.size'];
+      const at = scratch.take(size * links.length);
+      links.forEach((link, i) => {
+        const put = library.writer('link', at + i * size);
+        put.uint('id', link.id);
+        put.floats('entry', link.entry);
+        put.floats('exit', link.exit);
+        put.float('length', link.length);
+        put.int('both_ways', link.bothWays ? 1 : 0);
+        put.int('closed', link.closed ? 1 : 0);
+      });
+      library.check(library.core._forewalk_session_set_links(this.handle, at, links.length));
+    });
+  }
+
+  setStanding(people) {
+    const {library} = this;
+    library.with((scratch) => {
+      const size = library.layout['standing.size'];
+      const at = scratch.take(size * people.length);
+      people.forEach((person, i) => {
+        const put = library.writer('standing', at + i * size);
+        put.floats('foot', person.foot);
+        put.float('radius', person.radius);
+        put.float('cost', person.cost ?? 0);
+      });
+      library.check(library.core._forewalk_session_set_standing(this.handle, at, people.length));
+    });
+  }
+
+  enter(navmesh) {
+    this.library.check(this.library.core._forewalk_session_enter(this.handle, navmesh.handle));
+  }
+
+  graph() {
+    const {library} = this;
+    const {core, layout} = library;
+    library.check(core._forewalk_graph(this.handle, library.view));
+    const {HEAPF32: f, HEAPU32: u, HEAPU8: b} = core;
+    const field = (name) => (library.view + layout[`graph_view.${name}`]) >> 2;
+    const rows = (struct, list, count, make) => {
+      const size = layout[`${struct}.size`];
+      const first = u[field(list)];
+      const of = (name) => layout[`${struct}.${name}`];
+      return Array.from({length: u[field(count)]}, (_, i) => make(first + i * size, of));
+    };
+    const vector = (at) => [f[at >> 2], f[(at >> 2) + 1], f[(at >> 2) + 2]];
+    const nodes = rows('node', 'nodes', 'node_count', (at, of) => ({
+      position: vector(at + of('position')),
+      distance: f[(at + of('distance')) >> 2],
+      prev: u[(at + of('prev')) >> 2] === NONE ? null : u[(at + of('prev')) >> 2],
+      polygon: u[(at + of('polygon')) >> 2] === NONE ? null : u[(at + of('polygon')) >> 2],
+      kind: KINDS[b[at + of('kind')]],
+      reason: REASONS[b[at + of('reason')]],
+      branch: b[at + of('branch')] !== 0,
+    }));
+    const points = u[field('points')];
+    const widths = u[field('widths')] >> 2;
+    let edge = 0;
+    const edges = rows('edge', 'edges', 'edge_count', (at, of) => {
+      const start = points + 12 * u[(at + of('path_start')) >> 2];
+      return {
+        from: u[(at + of('from')) >> 2],
+        to: u[(at + of('to')) >> 2],
+        length: f[(at + of('length')) >> 2],
+        width: f[widths + edge++],
+        loop: u[(at + of('loop')) >> 2] !== 0,
+        path: Array.from({length: u[(at + of('path_count')) >> 2]}, (_, i) => vector(start + 12 * i)),
+      };
+    });
+    const fronts = rows('front', 'fronts', 'front_count', (at, of) => ({
+      node: u[(at + of('node')) >> 2],
+      length: f[(at + of('length')) >> 2],
+      from: vector(at + of('from')),
+      to: vector(at + of('to')),
+    }));
+    const ways = rows('way', 'ways', 'way_count', (at, of) => ({
+      id: u[(at + of('id')) >> 2],
+      node: u[(at + of('node')) >> 2],
+      likelihood: f[(at + of('likelihood')) >> 2],
+      born: b[at + of('born')] !== 0,
+    }));
+    return {
+      horizon: f[field('horizon')], completeTo: f[field('complete_to')], nodes, edges, fronts, ways,
+      likelihoodNone: f[field('likelihood_none')],
+    };
+  }
+}
+
+/** Compiles the module; once for a page. */
+export async function load() {
+  return new Library(await forewalkCore());
+}
