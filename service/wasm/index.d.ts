@@ -152,7 +152,7 @@ export interface Space extends Handle {}
 export interface Session extends Handle {
   /**
    * One frame: the tracked head and the time of that pose in seconds. Fills and returns `frame`, by default one of
-   * the session's own, so that frames make no garbage. Odd input is reported in its flags.
+   * the session's own, so that frames make hardly any garbage. Odd input is reported in its flags.
    */
   frame(position: Vector3, orientation: Quaternion, seconds: number, frame?: Frame): Frame;
   /** Puts the user's next frame at another place of the virtual floor. Throws where there is no floor. */

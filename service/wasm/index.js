@@ -220,7 +220,7 @@ class Space extends Handle {
   }
 }
 
-/** A frame's answer to be filled again and again: frames make no garbage. */
+/** A frame's answer to be filled again and again. */
 export const emptyFrame = () => ({
   flags: 0, position: new Float32Array(3), orientation: new Float32Array(4), translation: 1, rotation: 1,
   curvature: 0, bending: 1, injectedYaw: 0, injectedTranslation: new Float32Array(3), resetting: false,
