@@ -13,7 +13,7 @@ PACKAGES=(g++ cmake make
 # clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
 # daemons; abidiff compares the C interface with the last release. Only `test all` asks for them.
 PACKAGES_ALL=(clang nginx-light abigail-tools)
-PACKAGES_WASM=(emscripten nodejs cmake make libglm-dev nlohmann-json3-dev libexpected-dev libfmt-dev)
+PACKAGES_WASM=(emscripten nodejs node-typescript cmake make libglm-dev nlohmann-json3-dev libexpected-dev libfmt-dev)
 
 help() {
   cat <<'TEXT'
@@ -133,7 +133,7 @@ build_wasm() {
   begin "configuring wasm (WebAssembly, the frame side)"
   configure wasm
   begin "building wasm"
-  build wasm forewalk_core
+  build wasm wasm_package
 }
 
 wasm() {

@@ -110,6 +110,17 @@ if(NOT FOREWALK_SANITIZE)
     SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 300)
 endif()
 
+find_program(TSC tsc)
+if(TSC)
+  add_test(NAME Wasm.HasTheTypesThatItSays
+    COMMAND ${TSC} --noEmit --strict --target es2020 --module es2020 --moduleResolution node --lib es2020,dom
+            ${CMAKE_CURRENT_SOURCE_DIR}/service/wasm/types.ts)
+else()
+  add_test(NAME Wasm.HasTheTypesThatItSays
+    COMMAND ${CMAKE_COMMAND} -E echo "skipped: there is no tsc here (Debian: node-typescript)")
+  set_tests_properties(Wasm.HasTheTypesThatItSays PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped")
+endif()
+
 # Which way will they take: fitting and judging.
 forewalk_test(service/fitting_test.cpp LIBS forewalk::service)
 forewalk_test(service/evaluation_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
