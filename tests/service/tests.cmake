@@ -10,13 +10,26 @@ function(forewalk_program_test source)
   endif()
 endfunction()
 
+# The same two for tests whose threads are a crowd's or the daemon's, which conformance_test and daemon_test
+# show to the thread sanitizer: these would have it build the whole command.
+function(forewalk_unthreaded_test)
+  if(NOT FOREWALK_TESTS_MATCHING)
+    forewalk_test(${ARGN})
+  endif()
+endfunction()
+function(forewalk_unthreaded_program_test)
+  if(NOT FOREWALK_TESTS_MATCHING)
+    forewalk_program_test(${ARGN})
+  endif()
+endfunction()
+
 forewalk_test(service/parallel_test.cpp LIBS forewalk::service)
 forewalk_test(service/live_world_test.cpp LIBS forewalk::service)
 forewalk_test(service/walk_animation_test.cpp LIBS forewalk::service)
 forewalk_test(service/clip_file_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
-forewalk_test(service/walk_company_test.cpp LIBS forewalk::service fmt::fmt)
-forewalk_test(service/crowd_run_test.cpp LIBS forewalk::service SQLite::SQLite3 nlohmann_json::nlohmann_json)
+forewalk_unthreaded_test(service/walk_company_test.cpp LIBS forewalk::service fmt::fmt)
+forewalk_unthreaded_test(service/crowd_run_test.cpp LIBS forewalk::service SQLite::SQLite3 nlohmann_json::nlohmann_json)
 forewalk_test(service/rimea_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
 forewalk_program_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 
@@ -140,11 +153,11 @@ forewalk_test(service/daemon_message_test.cpp LIBS forewalk::daemon nlohmann_jso
 foreach(name daemon_test daemon_limits_test)
   forewalk_test(service/${name}.cpp LIBS forewalk::daemon web_client spdlog::spdlog nlohmann_json::nlohmann_json)
 endforeach()
-forewalk_program_test(service/serve_cli_test.cpp
+forewalk_unthreaded_program_test(service/serve_cli_test.cpp
   LIBS forewalk::daemon web_client spdlog::spdlog nlohmann_json::nlohmann_json)
 
 # Crowds over a network.
-forewalk_program_test(service/crowd_network_test.cpp LIBS forewalk::service)
+forewalk_unthreaded_program_test(service/crowd_network_test.cpp LIBS forewalk::service)
 
 # Experiments: many walks, their results and report.
 forewalk_test(service/experiment_test.cpp LIBS forewalk::service)
