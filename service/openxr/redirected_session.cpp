@@ -161,17 +161,21 @@ bool RedirectedSession::placeAtFirst(const Rigid& head, XrTime time) {
   if (!origin) return false;
   scene_ = config_.origin * inverse(*origin);
   if (config_.session.start || scene_ == Rigid{}) return true;
-  const Rigid place = scene_ * head;
-  const glm::dvec3 floor = scene_ * Rigid{head.turn, {head.move.x, 0.0, head.move.z}}.move;
-  if (session_->teleport(
-          {glm::vec3(floor), static_cast<float>(rdw::headingOf(glm::quat(place.turn)))})) {
-    return true;
-  }
+  const auto foot = teleport(scene_, head);
+  if (!foot) return true;
   giveUp(
       fmt::format("origin puts the user at ({:.2f}, {:.2f}, {:.2f}) in {}, where there is no "
                   "walkable floor within 0.5 m; give another origin, or a start.",
-                  floor.x, floor.y, floor.z, config_.scene));
+                  foot->x, foot->y, foot->z, config_.scene));
   return false;
+}
+
+/// The user's next frame is where `toScene` has them; else the place, where there is no floor.
+std::optional<glm::dvec3> RedirectedSession::teleport(const Rigid& toScene, const Rigid& head) {
+  const Rigid foot = toScene * Rigid{head.turn, {head.move.x, 0.0, head.move.z}};
+  const auto heading = static_cast<float>(rdw::headingOf(glm::quat(foot.turn)));
+  if (session_->teleport({glm::vec3(foot.move), heading})) return std::nullopt;
+  return foot.move;
 }
 
 void RedirectedSession::applyChanges(const Rigid& head, XrTime time) {
@@ -200,18 +204,15 @@ void RedirectedSession::moveOrigin(const Rigid& head, XrTime time) {
   const Rigid inWorld = fixed_[static_cast<std::size_t>(kind)] * moved_ * *origin;
   const Rigid scene = config_.origin * inverse(inWorld);
   const Rigid body = inverse(scene_) * rigidOf(session_->redirection()) * moved_;
-  const Rigid place = scene * body * head;
-  const Rigid foot = scene * body * Rigid{head.turn, {head.move.x, 0.0, head.move.z}};
-  if (session_->teleport(
-          {glm::vec3(foot.move), static_cast<float>(rdw::headingOf(glm::quat(place.turn)))})) {
-    scene_ = scene;
-    say("the user has recentred, and walks on from another place of the scene.");
-  } else {
+  if (teleport(scene * body, head)) {
     say(
         fmt::format("the user has recentred to where {} has no walkable floor; the walk goes on "
                     "as if they had not.",
                     config_.scene));
+    return;
   }
+  scene_ = scene;
+  say("the user has recentred, and walks on from another place of the scene.");
 }
 
 void RedirectedSession::publish(XrTime time) {

@@ -88,6 +88,7 @@ class RedirectedSession {
   std::optional<Rigid> located(XrSpace space, XrTime time) const;
   std::optional<Rigid> inTracking(const AppSpace& space, XrTime time) const;
   std::optional<Rigid> originInTracking(XrTime time) const;
+  std::optional<glm::dvec3> teleport(const Rigid& toScene, const Rigid& head);
   bool placeAtFirst(const Rigid& head, XrTime time);
   void applyChanges(const Rigid& head, XrTime time);
   void moveOrigin(const Rigid& head, XrTime time);
