@@ -129,9 +129,11 @@ XrResult XRAPI_CALL createInstance(const XrInstanceCreateInfo* info,
     auto made = std::make_shared<LayerInstance>();
     made->config = configFor(*info);
     const bool wantTint = made->config != nullptr && wantsTint(*made->config);
-    const XrResult result = createNext(next, *info, *layerInfo, wantTint, made->tints, instance);
+    bool tints = false;
+    const XrResult result = createNext(next, *info, *layerInfo, wantTint, tints, instance);
     if (XR_FAILED(result)) return result;
-    if (wantTint && !made->tints) {
+    made->tints = tints;
+    if (wantTint && !tints) {
       say(fmt::format("the runtime has no {}; resets are not shown in the picture.",
                       kTintExtension));
     }

@@ -1,6 +1,7 @@
 // Which instance, session and space a handle belongs to.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <shared_mutex>
@@ -17,7 +18,8 @@ struct LayerInstance {
   XrInstance handle = XR_NULL_HANDLE;
   Next next;
   std::unique_ptr<const LayerConfig> config;  ///< null: everything is passed on unchanged
-  bool tints = false;                         ///< layers' colours can be scaled
+  /// Layers' colours can be scaled; until somebody refuses that.
+  mutable std::atomic<bool> tints = false;
 };
 
 /// An XrSession: it keeps its instance.

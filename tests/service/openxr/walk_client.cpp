@@ -4,11 +4,14 @@
 //   openxr_walk_client OUT [--sessions N] [--threads] [--no-stage] [--mistake] [--frames N]
 //
 // OUT gets a line an answer: session frame name flags x y z qx qy qz qw vflags vx vy vz wx wy wz.
+// Prints the bounds of STAGE, and how long a frame's calls took.
 // --threads: a second thread draws a frame while the first prepares the next.
 // --mistake: one call that breaks the rules, to see who notices.
 // Exit status: 0, or 1 where a call failed, named on stderr.
 #include <openxr/openxr.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -101,6 +104,24 @@ class Application {
   }
 
   void frame() {
+    const auto began = std::chrono::steady_clock::now();
+    calls();
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - began;
+    microseconds_.push_back(took.count());
+    if (frame_ + 1 >= options_.frames) {
+      stop();
+      done_ = true;
+    }
+  }
+
+  /// Nearest rank.
+  double microseconds(double share) {
+    std::sort(microseconds_.begin(), microseconds_.end());
+    const auto rank = static_cast<std::size_t>(share * static_cast<double>(microseconds_.size()));
+    return microseconds_.empty() ? 0.0 : microseconds_[std::min(rank, microseconds_.size() - 1)];
+  }
+
+  void calls() {
     XrFrameWaitInfo wait{XR_TYPE_FRAME_WAIT_INFO, nullptr};
     XrFrameState state{XR_TYPE_FRAME_STATE, nullptr, 0, 0, 0};
     REQUIRE(xrWaitFrame(session_, &wait, &state));
@@ -119,10 +140,6 @@ class Application {
     } else {
       REQUIRE(xrBeginFrame(session_, &begin));
       draw(frame_, state.predictedDisplayTime);
-    }
-    if (frame_ + 1 >= options_.frames) {
-      stop();
-      done_ = true;
     }
   }
 
@@ -270,6 +287,7 @@ class Application {
   int frame_ = -1;
   XrTime pending_ = 0;  // begun, not yet drawn
   std::thread drawing_;
+  std::vector<double> microseconds_;
   std::vector<Line> lines_, drawn_;  // of the first thread, of who draws
 };
 
@@ -346,6 +364,8 @@ int main(int argc, char** argv) {
   std::FILE* out = std::fopen(options.out.c_str(), "w");
   if (out == nullptr) return std::perror(options.out.c_str()), 1;
   for (Application& application : applications) {
+    std::printf("frame: %.1f %.1f us\n", application.microseconds(0.5),
+                application.microseconds(0.99));
     application.write(out);
     application.close();
   }
