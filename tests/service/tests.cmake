@@ -101,7 +101,7 @@ if(TARGET openxr_layer)
   target_link_libraries(openxr_walk_client PRIVATE OpenXR::openxr_loader Threads::Threads project_options)
   find_path(FOREWALK_VALIDATION_FOLDER XrApiLayer_core_validation.${CMAKE_LIBRARY_ARCHITECTURE}.json
     PATHS /usr/share/openxr/1/api_layers/explicit.d)
-  foreach(name openxr_layer_test openxr_events_test)
+  foreach(name openxr_layer_test openxr_events_test openxr_threads_test)
     forewalk_test(service/openxr/${name}.cpp LIBS forewalk::service OpenXR::headers)
     if(TARGET ${name})
       add_dependencies(${name} openxr_layer openxr_fake_runtime openxr_walk_client)

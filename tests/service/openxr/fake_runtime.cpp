@@ -10,10 +10,7 @@
 //   FAKE_OPENXR_NO_TINT    set: there is no XR_KHR_composition_layer_color_scale_bias
 //   FAKE_OPENXR_RECENTRE   "local frame" or "stage frame": its origin comes to the head then
 //   FAKE_OPENXR_LOST       "first last": frames in which the head is not tracked
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
@@ -22,28 +19,19 @@
 #include <memory>
 #include <mutex>
 #include <set>
-#include <sstream>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "service/openxr/api.h"
 #include "service/openxr/rigid.h"
+#include "tests/service/openxr/fake_room.h"
 
 namespace {
 
-using forewalk::openxr::inverse;
-using forewalk::openxr::levelRigid;
-using forewalk::openxr::poseOf;
-using forewalk::openxr::Rigid;
-using forewalk::openxr::rigidOf;
+using namespace forewalk::testing;
 using forewalk::openxr::vectorOf;
 
-constexpr XrTime kStart = 1'000'000'000'000;
-constexpr XrDuration kPeriod = 11'111'111;
 constexpr int kNotice = 5;  // frames between the announcement of a change and the change
-
-enum class Anchor { kView, kLocal, kStage, kHand };
 
 struct Space {
   XrSession session;
@@ -60,12 +48,8 @@ struct Session {
 
 struct Runtime {
   std::mutex mutex;
-  std::vector<XrPosef> walk;
+  FakeRoom room;
   std::ofstream submitted;
-  bool hasStage = true, hasTint = true, hasBounds = false;
-  XrExtent2Df bounds{};
-  Anchor moving = Anchor::kLocal;
-  int changeFrame = -1, lostFirst = -1, lostLast = -2;
   std::set<std::string> paths;
   std::map<XrSession, std::unique_ptr<Session>> sessions;
   std::map<XrSpace, Space> spaces;
@@ -81,57 +65,15 @@ Handle newHandle() {
   return reinterpret_cast<Handle>(static_cast<std::uintptr_t>(0x10000 + 16 * runtime.handles++));
 }
 
-int frameAt(XrTime time) {
-  const auto frame = (time - kStart) / kPeriod;
-  return static_cast<int>(
-      std::clamp<XrTime>(frame, 0, static_cast<XrTime>(runtime.walk.size()) - 1));
-}
-
-Rigid headIn(int frame) { return rigidOf(runtime.walk[static_cast<std::size_t>(frame)]); }
-
-Rigid level(const Rigid& pose, double height) {
-  const glm::dvec3 ahead = pose.turn * glm::dvec3(0.0, 0.0, -1.0);
-  return levelRigid(std::atan2(-ahead.x, -ahead.z), {pose.move.x, height, pose.move.z});
-}
-
-bool hasMoved(Anchor anchor, int frame) {
-  return runtime.changeFrame >= 0 && anchor == runtime.moving && frame >= runtime.changeFrame;
-}
-
-Rigid anchorIn(Anchor anchor, int frame) {
-  const Rigid head = headIn(frame);
-  switch (anchor) {
-    case Anchor::kView:
-      return head;
-    case Anchor::kHand:
-      return head * levelRigid(0.4, {0.25, -0.35, -0.3});
-    case Anchor::kLocal:
-      if (hasMoved(anchor, frame)) {
-        const Rigid then = headIn(runtime.changeFrame);
-        return level(then, then.move.y);
-      }
-      return levelRigid(0.3, {0.4, 1.5, -0.2});
-    case Anchor::kStage:
-      return hasMoved(anchor, frame) ? level(headIn(runtime.changeFrame), 0.0) : Rigid{};
-  }
-  return {};
-}
-
 Rigid inRoom(const Space& space, int frame) {
-  return anchorIn(space.anchor, frame) * rigidOf(space.pose);
+  return runtime.room.anchor(space.anchor, frame) * rigidOf(space.pose);
 }
-
-bool isBody(const Space& space) {
-  return space.anchor == Anchor::kView || space.anchor == Anchor::kHand;
-}
-
-bool isIdentity(const XrPosef& pose) { return rigidOf(pose) == Rigid{}; }
 
 XrPosef located(const Space& space, const Space& base, int frame) {
   const Rigid in = inRoom(base, frame);
   // To the bit, where nothing is to be worked out.
-  if (in == Rigid{} && space.anchor == Anchor::kView && isIdentity(space.pose)) {
-    return runtime.walk[static_cast<std::size_t>(frame)];
+  if (in == Rigid{} && space.anchor == Anchor::kView && rigidOf(space.pose) == Rigid{}) {
+    return runtime.room.walk[static_cast<std::size_t>(frame)];
   }
   return poseOf(inverse(in) * inRoom(space, frame));
 }
@@ -162,49 +104,18 @@ XrResult XRAPI_CALL enumerateInstanceExtensionProperties(const char*, std::uint3
   return XR_SUCCESS;
 }
 
-void readOrders() {
-  runtime.walk.clear();
-  const auto order = [](const char* name) -> std::istringstream {
-    const char* text = std::getenv(name);
-    return std::istringstream(text == nullptr ? "" : text);
-  };
-  std::ifstream walk(order("FAKE_OPENXR_WALK").str());
-  for (std::string line; std::getline(walk, line);) {
-    XrPosef pose;
-    XrVector3f& p = pose.position;
-    XrQuaternionf& q = pose.orientation;
-    if (std::sscanf(line.c_str(), "%f %f %f %f %f %f %f", &p.x, &p.y, &p.z, &q.x, &q.y, &q.z,
-                    &q.w) == 7) {
-      runtime.walk.push_back(pose);
-    }
-  }
-  const std::string submitted = order("FAKE_OPENXR_SUBMITTED").str();
-  runtime.submitted.close();
-  if (!submitted.empty()) runtime.submitted.open(submitted);
-  runtime.submitted.precision(9);
-  runtime.hasStage = std::getenv("FAKE_OPENXR_NO_STAGE") == nullptr;
-  runtime.hasTint = std::getenv("FAKE_OPENXR_NO_TINT") == nullptr;
-  auto bounds = order("FAKE_OPENXR_BOUNDS");
-  runtime.hasBounds = static_cast<bool>(bounds >> runtime.bounds.width >> runtime.bounds.height);
-  auto recentre = order("FAKE_OPENXR_RECENTRE");
-  std::string which;
-  runtime.changeFrame = -1;
-  if (recentre >> which >> runtime.changeFrame) {
-    runtime.moving = which == "stage" ? Anchor::kStage : Anchor::kLocal;
-  }
-  auto lost = order("FAKE_OPENXR_LOST");
-  if (!(lost >> runtime.lostFirst >> runtime.lostLast)) runtime.lostLast = -2;
-}
-
 XrResult XRAPI_CALL createInstance(const XrInstanceCreateInfo* info, XrInstance* instance) {
   const std::lock_guard lock(runtime.mutex);
-  readOrders();
-  if (runtime.walk.empty()) return XR_ERROR_RUNTIME_UNAVAILABLE;
+  runtime.room = FakeRoom::fromEnvironment();
+  runtime.submitted.close();
+  if (const char* file = std::getenv("FAKE_OPENXR_SUBMITTED")) runtime.submitted.open(file);
+  runtime.submitted.precision(9);
+  if (runtime.room.walk.empty()) return XR_ERROR_RUNTIME_UNAVAILABLE;
   for (std::uint32_t i = 0; i < info->enabledExtensionCount; ++i) {
     const std::string_view name = info->enabledExtensionNames[i];
     const bool known =
         name == XR_MND_HEADLESS_EXTENSION_NAME ||
-        (name == XR_KHR_COMPOSITION_LAYER_COLOR_SCALE_BIAS_EXTENSION_NAME && runtime.hasTint);
+        (name == XR_KHR_COMPOSITION_LAYER_COLOR_SCALE_BIAS_EXTENSION_NAME && runtime.room.hasTint);
     if (!known) return XR_ERROR_EXTENSION_NOT_PRESENT;
   }
   *instance = kInstance;
@@ -301,19 +212,19 @@ XrResult XRAPI_CALL endSession(XrSession handle) {
 
 XrResult XRAPI_CALL enumerateReferenceSpaces(XrSession, std::uint32_t capacity,
                                              std::uint32_t* count, XrReferenceSpaceType* types) {
-  *count = runtime.hasStage ? 3 : 2;
+  *count = runtime.room.hasStage ? 3 : 2;
   if (capacity == 0) return XR_SUCCESS;
   if (capacity < *count) return XR_ERROR_SIZE_INSUFFICIENT;
   types[0] = XR_REFERENCE_SPACE_TYPE_VIEW;
   types[1] = XR_REFERENCE_SPACE_TYPE_LOCAL;
-  if (runtime.hasStage) types[2] = XR_REFERENCE_SPACE_TYPE_STAGE;
+  if (runtime.room.hasStage) types[2] = XR_REFERENCE_SPACE_TYPE_STAGE;
   return XR_SUCCESS;
 }
 
 XrResult XRAPI_CALL getReferenceSpaceBoundsRect(XrSession, XrReferenceSpaceType type,
                                                 XrExtent2Df* bounds) {
-  const bool known = runtime.hasBounds && type == XR_REFERENCE_SPACE_TYPE_STAGE;
-  *bounds = known ? runtime.bounds : XrExtent2Df{0.0f, 0.0f};
+  const bool known = runtime.room.hasBounds && type == XR_REFERENCE_SPACE_TYPE_STAGE;
+  *bounds = known ? runtime.room.bounds : XrExtent2Df{0.0f, 0.0f};
   return known ? XR_SUCCESS : XR_SPACE_BOUNDS_UNAVAILABLE;
 }
 
@@ -327,7 +238,7 @@ XrSpace addSpace(XrSession session, Anchor anchor, const XrPosef& pose) {
 XrResult XRAPI_CALL createReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info,
                                          XrSpace* space) {
   const XrReferenceSpaceType type = info->referenceSpaceType;
-  if (type == XR_REFERENCE_SPACE_TYPE_STAGE && !runtime.hasStage) {
+  if (type == XR_REFERENCE_SPACE_TYPE_STAGE && !runtime.room.hasStage) {
     return XR_ERROR_REFERENCE_SPACE_UNSUPPORTED;
   }
   const Anchor anchor = type == XR_REFERENCE_SPACE_TYPE_VIEW    ? Anchor::kView
@@ -353,9 +264,9 @@ XrResult XRAPI_CALL locateSpace(XrSpace handle, XrSpace baseHandle, XrTime time,
   const std::lock_guard lock(runtime.mutex);
   const auto space = runtime.spaces.find(handle), base = runtime.spaces.find(baseHandle);
   if (space == runtime.spaces.end() || base == runtime.spaces.end()) return XR_ERROR_HANDLE_INVALID;
-  const int frame = frameAt(time);
-  const bool lost = frame >= runtime.lostFirst && frame <= runtime.lostLast &&
-                    isBody(space->second) != isBody(base->second);
+  const int frame = runtime.room.frameAt(time);
+  const bool lost =
+      runtime.room.isLost(frame) && isBody(space->second.anchor) != isBody(base->second.anchor);
   location->locationFlags = lost ? 0 : 0xF;
   location->pose =
       lost ? XrPosef{{0, 0, 0, 1}, {0, 0, 0}} : located(space->second, base->second, frame);
@@ -363,7 +274,7 @@ XrResult XRAPI_CALL locateSpace(XrSpace handle, XrSpace baseHandle, XrTime time,
     if (at->type != XR_TYPE_SPACE_VELOCITY) continue;
     auto& velocity = *reinterpret_cast<XrSpaceVelocity*>(at);
     velocity.velocityFlags = lost ? 0 : 3;
-    const int next = frameAt(time + kPeriod);
+    const int next = runtime.room.frameAt(time + kPeriod);
     const Rigid now = rigidOf(located(space->second, base->second, frame));
     const Rigid then = rigidOf(located(space->second, base->second, next));
     const double seconds = 1e-9 * static_cast<double>(kPeriod);
@@ -379,9 +290,9 @@ XrResult XRAPI_CALL locateViews(XrSession session, const XrViewLocateInfo* info,
   *count = 2;
   if (capacity == 0) return XR_SUCCESS;
   if (capacity < 2) return XR_ERROR_SIZE_INSUFFICIENT;
-  const int frame = frameAt(info->displayTime);
+  const int frame = runtime.room.frameAt(info->displayTime);
   const Space& base = runtime.spaces.at(info->space);
-  const bool lost = frame >= runtime.lostFirst && frame <= runtime.lostLast && !isBody(base);
+  const bool lost = runtime.room.isLost(frame) && !isBody(base.anchor);
   state->viewStateFlags = lost ? 0 : 0xF;
   for (std::uint32_t i = 0; i < 2; ++i) {
     const XrPosef eye{{0, 0, 0, 1}, {i == 0 ? -0.032f : 0.032f, 0, 0}};
@@ -395,14 +306,14 @@ XrResult XRAPI_CALL locateViews(XrSession session, const XrViewLocateInfo* info,
 // Frames.
 
 void announceChange(XrSession handle, Session& session) {
-  const Rigid before = anchorIn(runtime.moving, runtime.changeFrame - 1);
-  const Rigid after = anchorIn(runtime.moving, runtime.changeFrame);
+  const Rigid before = runtime.room.anchor(runtime.room.moving, runtime.room.changeFrame - 1);
+  const Rigid after = runtime.room.anchor(runtime.room.moving, runtime.room.changeFrame);
   post(session,
        XrEventDataReferenceSpaceChangePending{
            XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING, nullptr, handle,
-           runtime.moving == Anchor::kStage ? XR_REFERENCE_SPACE_TYPE_STAGE
-                                            : XR_REFERENCE_SPACE_TYPE_LOCAL,
-           kStart + runtime.changeFrame * kPeriod, XR_TRUE, poseOf(inverse(before) * after)});
+           runtime.room.moving == Anchor::kStage ? XR_REFERENCE_SPACE_TYPE_STAGE
+                                                 : XR_REFERENCE_SPACE_TYPE_LOCAL,
+           kStart + runtime.room.changeFrame * kPeriod, XR_TRUE, poseOf(inverse(before) * after)});
 }
 
 XrResult XRAPI_CALL waitFrame(XrSession handle, const XrFrameWaitInfo*, XrFrameState* state) {
@@ -410,8 +321,8 @@ XrResult XRAPI_CALL waitFrame(XrSession handle, const XrFrameWaitInfo*, XrFrameS
   Session& session = *runtime.sessions.at(handle);
   if (!session.running) return XR_ERROR_SESSION_NOT_RUNNING;
   ++session.frame;
-  if (session.frame == runtime.changeFrame - kNotice) announceChange(handle, session);
-  if (session.frame + 1 == static_cast<int>(runtime.walk.size()) && !session.told) {
+  if (session.frame == runtime.room.changeFrame - kNotice) announceChange(handle, session);
+  if (session.frame + 1 == static_cast<int>(runtime.room.walk.size()) && !session.told) {
     session.told = true;
     postState(handle, session, XR_SESSION_STATE_VISIBLE);
     postState(handle, session, XR_SESSION_STATE_SYNCHRONIZED);
@@ -444,7 +355,7 @@ void writePicture(const Session& session, int frame, const char* kind, std::uint
 XrResult XRAPI_CALL endFrame(XrSession handle, const XrFrameEndInfo* info) {
   const std::lock_guard lock(runtime.mutex);
   const Session& session = *runtime.sessions.at(handle);
-  const int frame = frameAt(info->displayTime);
+  const int frame = runtime.room.frameAt(info->displayTime);
   for (std::uint32_t i = 0; i < info->layerCount; ++i) {
     const XrCompositionLayerBaseHeader* layer = info->layers[i];
     if (layer->type == XR_TYPE_COMPOSITION_LAYER_PROJECTION) {

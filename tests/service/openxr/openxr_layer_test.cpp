@@ -193,26 +193,5 @@ TEST_F(LayerTest, WithoutBoundsOfTheStageEverythingIsPassedOn) {
   }
 }
 
-TEST_F(LayerTest, AFrameDrawnWhileTheNextIsPreparedKeepsItsOwnMap) {
-  walk(true);
-  std::string inTurn = contents("answers.txt"), inTurnShown = contents("submitted.txt");
-  walk(true, "--threads");
-  EXPECT_EQ(contents("answers.txt"), inTurn);
-  EXPECT_EQ(contents("submitted.txt"), inTurnShown);
-}
-
-TEST_F(LayerTest, SessionsOfOneInstanceAreWalkedApart) {
-  const Answers alone = walk(true), both = walk(true, "--sessions 2");
-  for (const int session : {0, 1}) {
-    for (const char* name : {"view_in_stage", "hand_in_local", "right_eye"}) {
-      const auto& answers = of(both, name, session);
-      ASSERT_EQ(answers.size(), of(alone, name).size());
-      for (const auto& [frame, at] : answers) {
-        ASSERT_TRUE(testing::sameBits(at.pose, of(alone, name).at(frame).pose)) << name << frame;
-      }
-    }
-  }
-}
-
 }  // namespace
 }  // namespace forewalk
