@@ -161,3 +161,31 @@ forewalk_unthreaded_program_test(service/crowd_network_test.cpp LIBS forewalk::s
 
 # Experiments: many walks, their results and report.
 forewalk_test(service/experiment_test.cpp LIBS forewalk::service)
+
+# The OpenXR layer, under Debian's loader, with a fake runtime and a client of its own.
+if(TARGET openxr_layer)
+  find_package(OpenXR CONFIG QUIET)
+  add_library(openxr_fake_runtime MODULE service/openxr/fake_runtime.cpp)
+  target_link_libraries(openxr_fake_runtime PRIVATE OpenXR::headers forewalk::rdw project_options)
+  target_include_directories(openxr_fake_runtime PRIVATE ${PROJECT_SOURCE_DIR})
+  set_target_properties(openxr_fake_runtime PROPERTIES CXX_VISIBILITY_PRESET hidden)
+  add_executable(openxr_walk_client service/openxr/walk_client.cpp)
+  target_link_libraries(openxr_walk_client PRIVATE OpenXR::openxr_loader Threads::Threads project_options)
+  find_path(FOREWALK_VALIDATION_FOLDER XrApiLayer_core_validation.${CMAKE_LIBRARY_ARCHITECTURE}.json
+    PATHS /usr/share/openxr/1/api_layers/explicit.d)
+  foreach(name openxr_layer_test openxr_events_test openxr_threads_test)
+    forewalk_test(service/openxr/${name}.cpp LIBS forewalk::service OpenXR::headers)
+    if(TARGET ${name})
+      add_dependencies(${name} openxr_layer openxr_fake_runtime openxr_walk_client)
+      target_compile_definitions(${name} PRIVATE
+        FOREWALK_PROGRAM="$<TARGET_FILE:openxr_walk_client>"
+        FOREWALK_FAKE_RUNTIME="$<TARGET_FILE:openxr_fake_runtime>"
+        FOREWALK_LAYER_FOLDER="$<TARGET_FILE_DIR:openxr_layer>"
+        $<$<BOOL:${FOREWALK_VALIDATION_FOLDER}>:FOREWALK_VALIDATION_FOLDER="${FOREWALK_VALIDATION_FOLDER}">)
+    endif()
+  endforeach()
+else()
+  add_test(NAME OpenXrLayer.RedirectsAnyApplication
+    COMMAND ${CMAKE_COMMAND} -E echo "skipped: there is no libopenxr-dev here")
+  set_tests_properties(OpenXrLayer.RedirectsAnyApplication PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped")
+endif()
