@@ -11,8 +11,9 @@ PACKAGES=(g++ cmake make
   librecast-dev libsqlite3-dev libopenmesh-dev libtinygltf-dev libglm-dev nlohmann-json3-dev libexpected-dev
   libboost-dev libssl-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
 # clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
-# daemons; abidiff compares the C interface with the last release. Only `test all` asks for them.
-PACKAGES_ALL=(clang nginx-light abigail-tools)
+# daemons; abidiff compares the C interface with the last release; Mono compiles and runs the Unity package.
+# Only `test all` asks for them.
+PACKAGES_ALL=(clang nginx-light abigail-tools mono-mcs mono-runtime)
 PACKAGES_WASM=(emscripten nodejs cmake make libglm-dev nlohmann-json3-dev libexpected-dev libfmt-dev)
 
 help() {

@@ -137,3 +137,6 @@ forewalk_program_test(service/crowd_network_test.cpp LIBS forewalk::service)
 
 # Experiments: many walks, their results and report.
 forewalk_test(service/experiment_test.cpp LIBS forewalk::service)
+
+# The Unity package.
+include(${CMAKE_CURRENT_LIST_DIR}/unity/tests.cmake)

@@ -420,6 +420,11 @@ namespace UnityEngine
         public static void Label(Rect place, string text) => Stub.Shown = text;
     }
 
+    public static class GUILayout
+    {
+        public static bool Button(string text) => false;
+    }
+
     public static class Screen
     {
         public static int width => 1280;

@@ -39,19 +39,19 @@ namespace Forewalk
         /// <summary>One frame: the tracked head in the tracking system's space, its floor at height 0,
         /// and the time of that pose on any clock that does not run backwards, in seconds. Call it once
         /// for each rendered frame, at any rate above 2 Hz.</summary>
-        /// <returns><see cref="Latest"/>. Odd input is reported in its flags; whatever comes in, what
-        /// comes out is finite.</returns>
-        public ref readonly FrameOut Frame(in ForewalkPose head, double seconds)
+        /// <returns>Odd input is reported in its flags; whatever comes in, what comes out is
+        /// finite.</returns>
+        public FrameOut Frame(in ForewalkPose head, double seconds)
         {
             graph.Clear();
             isGraphLatest = false;
             ForewalkLibrary.Check(Native.forewalk_frame(handle, head.Position, head.Orientation,
                                                         seconds, ref latest));
-            return ref latest;
+            return latest;
         }
 
-        /// <summary>What the latest frame answered; changes with the next.</summary>
-        public ref readonly FrameOut Latest => ref latest;
+        /// <summary>What the latest frame answered.</summary>
+        public FrameOut Latest => latest;
 
         /// <summary>What the latest frame predicted. One object for the session's life, which the next
         /// frame empties and the next look at this property fills again.</summary>

@@ -131,22 +131,11 @@ namespace Forewalk.Unity
             Session.Teleport(floor.ToForewalk(), heading * Mathf.Deg2Rad);
         }
 
-        /// <summary>The navmesh that the fields describe: of the scene as it stands, or of the asset.
-        /// The caller's to dispose of.</summary>
-        /// <exception cref="ForewalkException">Nothing walkable, damaged bytes, and the
-        /// like.</exception>
-        public ForewalkNavMesh MakeNavMesh()
+        /// <summary>Builds a navmesh from the meshes of the scene as it stands, as the fields say,
+        /// whatever the source. The caller's to dispose of.</summary>
+        /// <exception cref="ForewalkException">Nothing walkable, and the like.</exception>
+        public ForewalkNavMesh BuildNavMesh()
         {
-            if (navMeshSource == NavMeshSource.Asset)
-            {
-                if (navMeshAsset == null)
-                {
-                    throw new ForewalkException(Status.ErrorArgument,
-                        "The navmesh is to be an asset, and there is none. Bake one, or choose Scene " +
-                        "Meshes.");
-                }
-                return ForewalkNavMesh.FromFwmesh(navMeshAsset.bytes);
-            }
             var triangles = new SceneTriangles();
             if (meshRoot != null)
             {
@@ -191,7 +180,7 @@ namespace Forewalk.Unity
             if (navMeshSource == NavMeshSource.Script) return false;
             try
             {
-                using (ForewalkNavMesh navmesh = MakeNavMesh()) Begin(navmesh);
+                using (ForewalkNavMesh navmesh = NavMeshFromSource()) Begin(navmesh);
                 return true;
             }
             catch (ForewalkException refusal)
@@ -205,6 +194,18 @@ namespace Forewalk.Unity
             }
             enabled = false;
             return false;
+        }
+
+        private ForewalkNavMesh NavMeshFromSource()
+        {
+            if (navMeshSource != NavMeshSource.Asset) return BuildNavMesh();
+            if (navMeshAsset == null)
+            {
+                throw new ForewalkException(Status.ErrorArgument,
+                    $"'{name}' is to walk on a navmesh asset, and there is none. Bake one, or choose " +
+                    "Scene Meshes.");
+            }
+            return ForewalkNavMesh.FromFwmesh(navMeshAsset.bytes);
         }
 
         private void Begin(Func<SessionSettings, ForewalkSession> make)
@@ -283,7 +284,7 @@ namespace Forewalk.Unity
         {
             seconds += Time.unscaledDeltaTime;
             ForewalkPose inRoom = HeadInRoom();
-            ref readonly FrameOut frame = ref Session.Frame(inRoom, seconds);
+            FrameOut frame = Session.Frame(inRoom, seconds);
             const FrameFlags lost = FrameFlags.PoseNotFinite | FrameFlags.OrientationUnusable;
             // From a head that is no pose no rig follows: it waits.
             if ((frame.Flags & lost) == 0) Place(frame.VirtualPose, inRoom);
