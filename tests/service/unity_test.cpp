@@ -1,11 +1,13 @@
 // The Unity package: its laws under Mono, its structs against C's, its files and its page.
 //
-// The laws are in tests/service/unity, in C#, compiled with the package by Debian's mcs; `run` starts
-// them. UnityEngine is a stand-in there.
+// The laws are in tests/service/unity, in C#, compiled with the package by Debian's mcs; `run`
+// starts them. UnityEngine is a stand-in there.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -87,7 +89,8 @@ TEST_F(UnityLaws, HasTheLayoutOfC) {
   EXPECT_THAT(ours.out, ::testing::Not(HasSubstr("missing")));
   const std::vector<std::string> lines = linesOf(ours.out);
   write("layout.c", programFor(lines));
-  const std::string command = "cd '" + folder_.string() + "' && " FOREWALK_CC " -I '" FOREWALK_SOURCE
+  const std::string command = "cd '" + folder_.string() +
+                              "' && " FOREWALK_CC " -I '" FOREWALK_SOURCE
                               "/service/capi' -o layout layout.c && ./layout >c.txt";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_EQ(ours.out, contents("c.txt"));
@@ -100,10 +103,10 @@ TEST_F(UnityLaws, HasTheLayoutOfC) {
   EXPECT_GT(some("FOREWALK_"), 90);
 }
 
-/// What Unity imports of the package: all files and folders but those it does not look into.
-std::vector<fs::path> importedPaths() {
+/// What Unity imports of a package: all files and folders but those it does not look into.
+std::vector<fs::path> importedPaths(const fs::path& package) {
   std::vector<fs::path> paths;
-  for (auto it = fs::recursive_directory_iterator(kPackage); it != fs::end(it); ++it) {
+  for (auto it = fs::recursive_directory_iterator(package); it != fs::end(it); ++it) {
     const std::string name = it->path().filename().string();
     if (name.ends_with("~")) {
       it.disable_recursion_pending();
@@ -115,23 +118,50 @@ std::vector<fs::path> importedPaths() {
 }
 
 // Unity ignores what has no .meta in a package from git, and mixes up what shares a guid.
-TEST(UnityPackage, NamesEachOfItsFilesOnce) {
+void expectMetaFiles(const fs::path& package) {
   std::set<std::string> guids;
   const std::regex guid("\nguid: ([0-9a-f]{32})\n");
-  const std::vector<fs::path> paths = importedPaths();
-  EXPECT_GT(paths.size(), 20u);
-  for (const fs::path& path : paths) {
+  for (const fs::path& path : importedPaths(package)) {
     const std::string meta = testing::contentsOf(path.string() + ".meta");
     std::smatch match;
     ASSERT_TRUE(std::regex_search(meta, match, guid)) << path << " has no .meta with a guid";
     EXPECT_TRUE(guids.insert(match[1]).second) << path << " shares its guid";
     EXPECT_EQ(meta.find("folderAsset: yes") != std::string::npos, fs::is_directory(path)) << path;
   }
-  for (const auto& entry : fs::recursive_directory_iterator(kPackage)) {
+  EXPECT_GT(guids.size(), 20u);
+  for (const auto& entry : fs::recursive_directory_iterator(package)) {
     if (entry.path().extension() != ".meta") continue;
     fs::path of = entry.path();
     EXPECT_TRUE(fs::exists(of.replace_extension(""))) << entry.path() << " is nobody's";
   }
+}
+
+TEST(UnityPackage, NamesEachOfItsFilesOnce) { expectMetaFiles(kPackage); }
+
+// What the target unity_package does.
+struct UnityTarball : UnityLaws {};
+
+TEST_F(UnityTarball, BringsTheLibrary) {
+  const std::string pack =
+      FOREWALK_CMAKE " -DPACKAGE='" + kPackage +
+      "' -DLIBRARY='" FOREWALK_LIBRARY "' -DLICENCE='" FOREWALK_SOURCE "/LICENSE' -DWORK='" +
+      folder_.string() + "' -DVERSION=1.2.3 -P '" FOREWALK_SOURCE "/cmake/unity_package.cmake'";
+  const std::string unpack = "mkdir '" + folder_.string() + "/got' && cd '" + folder_.string() +
+                             "/got' && " FOREWALK_CMAKE
+                             " -E tar xzf ../io.forewalk.unity-1.2.3.tgz";
+  ASSERT_EQ(std::system((pack + " >/dev/null && " + unpack).c_str()), 0);
+  const fs::path got = folder_ / "got" / "package";
+  expectMetaFiles(got);
+  EXPECT_TRUE(fs::exists(got / "Documentation~" / "forewalk.md"));
+  EXPECT_TRUE(fs::exists(got / "LICENSE.md"));
+  const fs::path library = got / "Runtime" / "Plugins" / "x86_64" / "libforewalk.so";
+  EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(library)));
+  setenv("UNITY_PLUGINS", library.parent_path().c_str(), 1);
+  holds("defaults");
+  // And only it: the law does not find another one.
+  fs::remove(library);
+  EXPECT_NE(run("defaults").status, 0);
+  unsetenv("UNITY_PLUGINS");
 }
 
 TEST(UnityPackage, SaysWhatItIs) {
@@ -176,7 +206,8 @@ TEST_F(UnityLaws, HasAPageWhoseExamplesCompile) {
   for (std::size_t i = 0; i < examples.size(); ++i) {
     const std::string name = "Example" + std::to_string(i) + ".cs";
     write(name, examples[i]);
-    const std::string command = "cd '" + folder_.string() + "' && " FOREWALK_MCS
+    const std::string command = "cd '" + folder_.string() +
+                                "' && " FOREWALK_MCS
                                 " -langversion:7.2 -warnaserror -target:library -r:" FOREWALK_UNITY
                                 "/Forewalk.dll -r:" FOREWALK_UNITY
                                 "/Forewalk.Unity.dll -r:" FOREWALK_UNITY "/UnityEngine.dll " +

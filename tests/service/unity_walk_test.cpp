@@ -239,9 +239,9 @@ void expectTheAnswersOfCpp(const Plan& plan, const std::vector<TimedHead>& heads
     const forewalk_pose head = capi::poseToUnity(heads[i].pose);
     forewalk_frame_out same{};
     same.struct_size = sizeof same;
-    ASSERT_EQ(forewalk_frame(session.get(), head.position, head.orientation, heads[i].seconds,
-                             &same),
-              FOREWALK_OK);
+    ASSERT_EQ(
+        forewalk_frame(session.get(), head.position, head.orientation, heads[i].seconds, &same),
+        FOREWALK_OK);
     ASSERT_EQ(bytesOf(timeless(out)), bytesOf(timeless(same))) << "frame " << i;
     forewalk_graph_view view{};
     view.struct_size = sizeof view;
@@ -267,8 +267,8 @@ void expectTheAnswersOfCpp(const Plan& plan, const std::vector<TimedHead>& heads
 TEST_F(UnityWalk, GivesEveryBitOfCpp) {
   auto museum = navmesh::importScene(FOREWALK_ASSETS "/scenes/museum.obj");
   ASSERT_TRUE(museum) << museum.error().message;
-  Plan plan{*museum, FOREWALK_CONTROLLER_S2C_PREDICTIVE, FOREWALK_METHOD_POLYGON, 5.0f, 15.0f,
-            {{21.5f, 0.0f, 34.0f}, 1.0f}};
+  Plan plan{*museum, FOREWALK_CONTROLLER_S2C_PREDICTIVE, FOREWALK_METHOD_POLYGON, 5.0f,
+            15.0f,   {{21.5f, 0.0f, 34.0f}, 1.0f}};
   for (const forewalk_method method : {FOREWALK_METHOD_POLYGON, FOREWALK_METHOD_FRONT}) {
     plan.method = method;
     const std::vector<TimedHead> heads = obedientWalk(plan, 2500);
@@ -285,7 +285,8 @@ TEST_F(UnityWalk, GivesEveryBitOfCpp) {
 // A person's walk, told as it was recorded: they pay no heed to the resets they are told.
 TEST_F(UnityWalk, GivesEveryBitOfCppOnARecordedWalk) {
   const std::string folder = std::string(FOREWALK_SHARED_DATA) + "/walks/searching-a/";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the recorded walks are not here: " << folder;
+  if (!std::filesystem::exists(folder))
+    GTEST_SKIP() << "the recorded walks are not here: " << folder;
   auto scene = navmesh::importScene(folder + "scene.obj");
   ASSERT_TRUE(scene) << scene.error().message;
   const std::string csv = testing::contentsOf(folder + "walks.csv");
@@ -294,8 +295,13 @@ TEST_F(UnityWalk, GivesEveryBitOfCppOnARecordedWalk) {
   std::vector<TimedHead> heads = testing::recordedHeads(walks->front(), 90.0);
   heads.resize(std::min<std::size_t>(heads.size(), 5000));
   const rdw::PlanarPose first = rdw::planarPose(heads.front().pose);
-  const Plan plan{*scene, FOREWALK_CONTROLLER_S2O_PREDICTIVE, FOREWALK_METHOD_POLYGON, 8.0f, 10.0f,
-                  {navmesh::toSpace(glm::vec2(first.position), 0.0f), static_cast<float>(first.heading)}};
+  const Plan plan{
+      *scene,
+      FOREWALK_CONTROLLER_S2O_PREDICTIVE,
+      FOREWALK_METHOD_POLYGON,
+      8.0f,
+      10.0f,
+      {navmesh::toSpace(glm::vec2(first.position), 0.0f), static_cast<float>(first.heading)}};
   writeWalk(folder_ / "walk", plan, heads);
   const testing::Outcome outcome = run("walk walk answers");
   ASSERT_EQ(outcome.status, 0) << outcome.err;

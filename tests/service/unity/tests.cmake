@@ -62,7 +62,7 @@ if(FOREWALK_SANITIZE MATCHES address)
   set(sanitizer "LD_PRELOAD='${libasan}' ASAN_OPTIONS=detect_leaks=0:handle_segv=0:handle_sigfpe=0")
 endif()
 file(GENERATE OUTPUT ${unity_out}/unity_laws
-  CONTENT "#!/bin/sh\n${sanitizer} LD_LIBRARY_PATH='$<TARGET_FILE_DIR:capi>' exec '${MONO}' --debug '${unity_out}/unity_laws.exe' \"$@\"\n"
+  CONTENT "#!/bin/sh\n${sanitizer} LD_LIBRARY_PATH=\"\${UNITY_PLUGINS:-$<TARGET_FILE_DIR:capi>}\" exec '${MONO}' --debug '${unity_out}/unity_laws.exe' \"$@\"\n"
   FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
 forewalk_test(service/unity_test.cpp LIBS nlohmann_json::nlohmann_json)
@@ -73,6 +73,8 @@ foreach(name unity_test unity_walk_test)
 endforeach()
 target_compile_definitions(unity_test PRIVATE
   FOREWALK_CC="${CMAKE_C_COMPILER}"
+  FOREWALK_CMAKE="${CMAKE_COMMAND}"
+  FOREWALK_LIBRARY="$<TARGET_FILE:capi>"
   FOREWALK_MCS="${MCS}"
   FOREWALK_UNITY="${unity_out}"
   FOREWALK_PROJECT_VERSION="${PROJECT_VERSION}")
