@@ -138,6 +138,19 @@ void expectMetaFiles(const fs::path& package) {
 
 TEST(UnityPackage, NamesEachOfItsFilesOnce) { expectMetaFiles(kPackage); }
 
+// A stand-in for a library of another release.
+TEST_F(UnityLaws, RefusesALibraryOfAnotherMajorVersion) {
+  write("fake.c", "unsigned forewalk_version(void) { return 1 << 16 | 2 << 8 | 3; }\n");
+  const std::string command =
+      "cd '" + folder_.string() + "' && " FOREWALK_CC " -shared -fPIC -o libforewalk.so fake.c";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  setenv("UNITY_PLUGINS", folder_.c_str(), 1);
+  const testing::Outcome outcome = run("defaults");
+  unsetenv("UNITY_PLUGINS");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("version 1.2.3, this package speaks 0.1"));
+}
+
 // What the target unity_package does.
 struct UnityTarball : UnityLaws {};
 

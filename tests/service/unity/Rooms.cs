@@ -148,6 +148,8 @@ namespace Laws
                 Check.Throws<ForewalkException>(
                     () => world.SetObstacles(new Obstacle { Id = 1, Shape = ObstacleShape.Cylinder,
                                                             Radius = -1, Height = 1 }), "");
+                Check.Throws<ArgumentException>(() => world.SetObstacles(new Obstacle[1]), "Obstacle 0");
+                Check.Throws<ArgumentNullException>(() => world.SetDoor(null), "");
                 Console.WriteLine(string.Join(", ", farthest.ToArray()));
             }
         }

@@ -36,7 +36,8 @@ file(GLOB rig CONFIGURE_DEPENDS ${unity_package}/Runtime/Rig/*.cs)
 file(GLOB editor CONFIGURE_DEPENDS ${unity_package}/Editor/*.cs)
 file(GLOB sample CONFIGURE_DEPENDS ${unity_package}/Samples~/FirstWalk/*.cs)
 unity_assembly(Forewalk.dll FLAGS -target:library -unsafe SOURCES ${core})
-unity_assembly(UnityEngine.dll FLAGS -target:library SOURCES ${unity_laws}/UnityEngineStub.cs)
+unity_assembly(UnityEngine.dll FLAGS -target:library
+  SOURCES ${unity_laws}/UnityEngineStub.cs ${unity_laws}/UnityMathStub.cs)
 unity_assembly(UnityEditor.dll FLAGS -target:library USES UnityEngine.dll
   SOURCES ${unity_laws}/UnityEditorStub.cs)
 unity_assembly(Forewalk.Unity.dll FLAGS -target:library USES Forewalk.dll UnityEngine.dll

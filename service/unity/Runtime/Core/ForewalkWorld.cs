@@ -1,4 +1,5 @@
 using System;
+using System.Collections.Generic;
 using System.Runtime.InteropServices;
 
 namespace Forewalk
@@ -102,7 +103,8 @@ namespace Forewalk
                 var natives = new NativeObstacle[obstacles.Length];
                 for (int i = 0; i < obstacles.Length; ++i)
                 {
-                    Obstacle obstacle = obstacles[i];
+                    Obstacle obstacle = obstacles[i] ??
+                        throw new ArgumentException($"Obstacle {i} is null.", nameof(obstacles));
                     natives[i] = new NativeObstacle {
                         Id = obstacle.Id,
                         Shape = obstacle.Shape,
@@ -131,7 +133,6 @@ namespace Forewalk
         /// after the call.</summary>
         public void SetDoor(Door door)
         {
-            if (door == null) throw new ArgumentNullException(nameof(door));
             using (var pins = new Pins())
             {
                 NativeDoor native = pins.Pin(door);
@@ -170,8 +171,7 @@ namespace Forewalk
         /// <summary>Keeps arrays where they are until it is disposed of.</summary>
         private sealed class Pins : IDisposable
         {
-            private readonly System.Collections.Generic.List<GCHandle> handles =
-                new System.Collections.Generic.List<GCHandle>();
+            private readonly List<GCHandle> handles = new List<GCHandle>();
 
             public void* Pin(Array array)
             {
@@ -181,14 +181,18 @@ namespace Forewalk
                 return (void*)handle.AddrOfPinnedObject();
             }
 
-            public NativeDoor Pin(Door door) => new NativeDoor {
-                Id = door.Id,
-                Open = door.IsOpen ? 1 : 0,
-                Corners = (Vec3*)Pin(door.Corners),
-                CornerCount = ForewalkLibrary.Count(door.Corners),
-                Height = door.Height,
-                Cost = door.Cost
-            };
+            public NativeDoor Pin(Door door)
+            {
+                if (door == null) throw new ArgumentNullException(nameof(door));
+                return new NativeDoor {
+                    Id = door.Id,
+                    Open = door.IsOpen ? 1 : 0,
+                    Corners = (Vec3*)Pin(door.Corners),
+                    CornerCount = ForewalkLibrary.Count(door.Corners),
+                    Height = door.Height,
+                    Cost = door.Cost
+                };
+            }
 
             public void Dispose()
             {

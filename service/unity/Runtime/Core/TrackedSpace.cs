@@ -15,7 +15,11 @@ namespace Forewalk
             Sizes = null;
             if (holes == null || holes.Length == 0) return;
             int count = 0;
-            foreach (Point2[] hole in holes) count += hole.Length;
+            foreach (Point2[] hole in holes)
+            {
+                if (hole == null) throw new ArgumentException("A hole of the room is null.", "Holes");
+                count += hole.Length;
+            }
             Points = new Point2[count];
             Sizes = new UIntPtr[holes.Length];
             int next = 0;
