@@ -46,6 +46,7 @@ TEST_F(UnityLaws, ThrowsTheSentencesOfTheLibrary) { holds("errors ."); }
 TEST_F(UnityLaws, PassesOnWhatSessionsAreTold) { holds("calls"); }
 TEST_F(UnityLaws, SharesRooms) { holds("spaces"); }
 TEST_F(UnityLaws, WalksInWorldsThatMove) { holds("worlds"); }
+TEST_F(UnityLaws, Records) { holds("record ."); }
 TEST_F(UnityLaws, ListensToTheLog) { holds("log"); }
 TEST_F(UnityLaws, LeavesNoGarbage) { holds("garbage"); }
 TEST_F(UnityRig, PutsTheCameraAtTheVirtualPose) { holds("rig"); }

@@ -58,6 +58,7 @@ forewalk_session_settings unitySettings(const Plan& plan) {
   settings.limits = FOREWALK_LIMITS_LABORATORY;
   settings.method = plan.method;
   settings.horizon = plan.horizon;
+  settings.likelihoods = 1;
   settings.width = settings.depth = plan.room;
   settings.has_start = 1;
   settings.start_floor = capi::positionToUnity(plan.start.floor);

@@ -26,7 +26,8 @@ namespace Laws
                                                             PredictionMethod.Front })
                 {
                     using (var session = new ForewalkSession(
-                               navmesh, new SessionSettings { Method = method, Horizon = 20 }))
+                               navmesh, new SessionSettings { Method = method, Horizon = 20,
+                                                          Likelihoods = true }))
                     {
                         var walker = new Walker();
                         int at = 0;

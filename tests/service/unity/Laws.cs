@@ -49,6 +49,7 @@ namespace Laws
                 { "calls", _ => Sessions.TakeWhatTheyAreTold() },
                 { "spaces", _ => Rooms.AreShared() },
                 { "worlds", _ => Rooms.WorldsMove() },
+                { "record", arguments => Sessions.RecordingsAreWritten(arguments[1]) },
                 { "log", _ => Sessions.LogTells() },
                 { "rig", _ => Rigs.PutTheCameraAtTheVirtualPose() },
                 { "rig-lost", _ => Rigs.WaitForAPose() },

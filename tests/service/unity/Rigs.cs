@@ -292,6 +292,7 @@ namespace Laws
             Check.Equal(rig.limits, session.Limits, "limits");
             Check.Equal(rig.horizon, session.Horizon, "horizon");
             Check.Equal(rig.method, session.Method, "method");
+            Check.Equal(rig.likelihoods, session.Likelihoods, "likelihoods");
             Check.Equal(rig.resets, session.Resets, "resets");
             Check.Equal(rig.reset, session.Reset, "reset");
         }

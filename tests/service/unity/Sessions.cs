@@ -14,7 +14,7 @@ namespace Laws
                            !build.ZUp && build.Partition == Partition.Watershed, "build settings");
             var session = new SessionSettings();
             Check.That(session.Controller == Controller.S2CPredictive && session.Resets &&
-                           session.AlwaysPredict && session.Likelihoods && session.Horizon == 10 &&
+                           session.AlwaysPredict && !session.Likelihoods && session.Horizon == 10 &&
                            session.PolygonLimit == 16384 && session.Persistence == 0.75f &&
                            session.TranslationMax > 1 && session.StartFloor == null, "session settings");
             var space = new SpaceSettings();
@@ -74,7 +74,8 @@ namespace Laws
         public static void GraphsEndWithTheirFrame()
         {
             using (ForewalkNavMesh navmesh = Made.Hall())
-            using (var session = new ForewalkSession(navmesh))
+            using (var session =
+                       new ForewalkSession(navmesh, new SessionSettings { Likelihoods = true }))
             {
                 Check.Equal(session.Graph.Nodes.Count, 0, "nodes before the first frame");
                 session.Frame(Made.Head(0, 0, 0), 0);
@@ -195,6 +196,29 @@ namespace Laws
                 Check.That(frame.Flags.HasFlag(FrameFlags.PoseNotFinite) &&
                                !float.IsNaN(frame.VirtualPose.Position.X), "a pose that is none");
             }
+        }
+
+        /// <summary>A line a frame, under the name that was asked for; `forewalk replay` is tested with the
+        /// C interface.</summary>
+        public static void RecordingsAreWritten(string folder)
+        {
+            string file = Path.Combine(folder, "Spaziergang_ä.jsonl");
+            using (ForewalkNavMesh navmesh = Made.Hall())
+            using (var session = new ForewalkSession(navmesh))
+            {
+                Check.Equal(Check.Throws<ForewalkException>(
+                                () => session.Record(Path.Combine(folder, "none", "walk")), "").Status,
+                            Status.ErrorFileUnwritable, "status");
+                var walker = new Walker();
+                for (int i = 0; i < 100; ++i)
+                {
+                    if (i == 10) session.Record(file);
+                    if (i == 60) session.Record(null);
+                    session.Frame(walker.Step(i, false), i / 90.0);
+                }
+            }
+            int lines = File.ReadAllLines(file).Length;
+            Check.That(lines >= 50 && lines <= 55, $"{lines} lines for 50 frames");
         }
 
         private static double FarthestX(ForewalkSession session)

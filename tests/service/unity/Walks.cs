@@ -45,7 +45,8 @@ namespace Laws
                 Width = reader.ReadSingle(),
                 Depth = reader.ReadSingle(),
                 StartFloor = ReadPoint(reader),
-                StartHeading = reader.ReadSingle()
+                StartHeading = reader.ReadSingle(),
+                Likelihoods = true
             };
         }
 

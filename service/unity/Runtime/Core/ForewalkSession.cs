@@ -93,6 +93,18 @@ namespace Forewalk
                 Native.forewalk_session_set_chest(handle, direction.HasValue ? &known : null));
         }
 
+        /// <summary>Records the frames in a file from now on, in the place of one of that name, which
+        /// `forewalk replay` walks again to the last bit. Null: no more. The controller's gains go back
+        /// to neutral once. Not for within a frame's time budget.</summary>
+        /// <exception cref="ForewalkException">The file cannot be written.</exception>
+        public void Record(string path)
+        {
+            fixed (byte* text = path == null ? null : ForewalkLibrary.BytesOf(path))
+            {
+                ForewalkLibrary.Check(Native.forewalk_session_record(handle, text));
+            }
+        }
+
         /// <summary>Puts these links in the place of those before. For sessions on a navmesh; those in a
         /// world are told through it. Between frames.</summary>
         public void SetLinks(params Link[] links)

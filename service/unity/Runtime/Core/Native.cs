@@ -209,6 +209,8 @@ namespace Forewalk
         [DllImport(Library, CallingConvention = C)]
         public static extern Status forewalk_session_set_chest(SessionHandle session, Vec3* direction);
         [DllImport(Library, CallingConvention = C)]
+        public static extern Status forewalk_session_record(SessionHandle session, byte* path);
+        [DllImport(Library, CallingConvention = C)]
         public static extern Status forewalk_session_set_links(SessionHandle session, Link* links,
                                                                UIntPtr count);
         [DllImport(Library, CallingConvention = C)]

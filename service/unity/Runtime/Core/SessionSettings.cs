@@ -46,7 +46,8 @@ namespace Forewalk
         /// <summary>For <see cref="PredictionMethod.Front"/>: ways shorter than this are part of the one
         /// they leave; metres, 0 to 100.</summary>
         public float Persistence;
-        /// <summary>False: the graph names no ways, unless the controller asks for them.</summary>
+        /// <summary>Names and likelihoods of ways in every frame's graph; false: only where the
+        /// controller asks for them.</summary>
         public bool Likelihoods;
         public HeadingSource HeadingSource;
 

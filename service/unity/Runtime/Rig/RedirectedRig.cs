@@ -82,6 +82,9 @@ namespace Forewalk.Unity
         public float horizon = 10f;
         [Tooltip("Polygon: as published. Front: real junctions, whatever the polygons.")]
         public PredictionMethod method = PredictionMethod.Polygon;
+        [Tooltip("Name the ways ahead and how likely each is, for scripts that look at Session.Graph. Off: " +
+                 "only where the controller asks for it.")]
+        public bool likelihoods = false;
         [Tooltip("Stop the user at the room's border and turn them. Off: somebody else takes care.")]
         public bool resets = true;
         [Tooltip("How a reset turns the user.")]
@@ -248,6 +251,7 @@ namespace Forewalk.Unity
                 Limits = limits,
                 Horizon = horizon,
                 Method = method,
+                Likelihoods = likelihoods,
                 Resets = resets,
                 Reset = reset,
                 StartFloor = (transform.position + transform.rotation * under).ToForewalk(),

@@ -45,6 +45,7 @@ namespace Forewalk.Unity.Samples
             rig.roomWidth = room;
             rig.roomDepth = room;
             rig.limits = GainLimits.Laboratory;
+            rig.likelihoods = true;
             rig.log = LogLevel.Info;
             rig.resetPromptChanged.AddListener(prompt => Debug.Log("Prompt: " + prompt.Text));
         }
