@@ -243,6 +243,11 @@ namespace UnityEngine
     }
     public sealed class MeshRenderer : Renderer {}
 
+    public sealed class TextMesh : Component
+    {
+        public string text { get; set; } = "";
+    }
+
     public enum MeshTopology
     {
         Triangles = 0,
