@@ -56,6 +56,7 @@ namespace Laws
                 { "rig-life", _ => Rigs.BeginAndEnd() },
                 { "rig-scene", arguments => Rigs.ReadTheScene(arguments[1]) },
                 { "rig-defaults", _ => Rigs.ShowTheLibrarysDefaults() },
+                { "page", arguments => Page.ScriptsDoWhatItSays(arguments[1]) },
                 { "sample", _ => Rigs.SampleStaysInItsRoom() }
             };
 

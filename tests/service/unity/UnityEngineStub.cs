@@ -164,9 +164,12 @@ namespace UnityEngine
             }
         }
 
-        public T AddComponent<T>() where T : Component, new()
+        public T AddComponent<T>() where T : Component => (T)AddComponent(typeof(T));
+
+        public Component AddComponent(Type type)
         {
-            var component = new T { gameObject = this };
+            var component = (Component)Activator.CreateInstance(type);
+            component.gameObject = this;
             components.Add(component);
             if (component is MonoBehaviour behaviour) Stub.Add(behaviour);
             return component;

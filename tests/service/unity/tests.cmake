@@ -46,7 +46,7 @@ unity_assembly(Forewalk.Unity.Editor.dll FLAGS -target:library
   USES Forewalk.dll UnityEngine.dll UnityEditor.dll Forewalk.Unity.dll SOURCES ${editor})
 unity_assembly(FirstWalk.dll FLAGS -target:library USES Forewalk.dll UnityEngine.dll Forewalk.Unity.dll
   SOURCES ${sample})
-set(laws Laws Layout Walks Garbage Sessions Rooms Rigs)
+set(laws Laws Layout Walks Garbage Sessions Rooms Rigs Page)
 list(TRANSFORM laws PREPEND ${unity_laws}/)
 list(TRANSFORM laws APPEND .cs)
 unity_assembly(unity_laws.exe FLAGS -unsafe -r:System.Core.dll
