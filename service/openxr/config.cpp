@@ -13,7 +13,6 @@
 #include "rdw/simulation_config.h"
 #include "service/files.h"
 #include "service/parallel.h"
-#include "service/simulation_file.h"
 
 namespace forewalk::openxr {
 namespace {
@@ -115,12 +114,27 @@ tl::expected<LayerConfig, Error> loadConfig(const std::filesystem::path& file) {
   if (!parsed) return tl::unexpected(parsed.error());
   navmesh::BuildRun run;
   run.forEach = service::onThreads(0);
-  auto loaded =
-      service::SimulationLoader(std::move(run)).load(*parsed, file.parent_path(), file.string());
-  if (!loaded) return tl::unexpected(std::move(loaded.error()));
-  config.world = std::move(loaded->world);
-  config.session = std::move(loaded->config.session);
-  const rdw::WalkStart& start = loaded->config.start;
+  const std::filesystem::path folder = file.parent_path();
+  const auto navMesh =
+      service::loadNavMesh(folder / parsed->scene, parsed->import, parsed->build, run);
+  if (!navMesh) return tl::unexpected(navMesh.error());
+  auto world = service::makeWorld(*navMesh);
+  if (!world) return tl::unexpected(std::move(world.error()));
+  config.world = std::move(*world);
+  config.session = parsed->simulation.session;
+  if (!parsed->space.empty()) {
+    const std::filesystem::path name = folder / parsed->space;
+    const auto room = service::readFile(name);
+    if (!room) return tl::unexpected(room.error());
+    auto space =
+        rdw::TrackedSpace::read({reinterpret_cast<const char*>(room->data()), room->size()});
+    if (!space) {
+      return tl::unexpected(
+          Error{space.error().code, name.string() + ": " + space.error().message});
+    }
+    config.session.space = std::move(*space);
+  }
+  const rdw::WalkStart& start = parsed->simulation.start;
   if (start.floor) {
     config.session.start =
         rdw::VirtualStart{*start.floor, static_cast<float>(start.heading.value_or(0.0))};

@@ -178,19 +178,6 @@ TEST(CapiAxes, DoNotChangeTheVirtualWalkOfAMadeUpUser) {
   expectMirrored(navmesh, settings, testing::wander(3, 5000), 1);
 }
 
-std::vector<TimedHead> recordedHeads(const rdw::Walk& walk) {
-  constexpr double kRate = 30.0;
-  std::vector<TimedHead> heads;
-  for (const rdw::WalkFrame& at : rdw::resample(walk, kRate)) {
-    const double half = 0.5 * at.heading;
-    heads.push_back({{navmesh::toSpace(glm::vec2(at.plan), 1.7f),
-                      glm::quat(static_cast<float>(std::cos(half)), 0.0f,
-                                static_cast<float>(std::sin(half)), 0.0f)},
-                     static_cast<double>(heads.size()) / kRate});
-  }
-  return heads;
-}
-
 TEST(CapiAxes, DoNotChangeTheVirtualWalkOfARecordedUser) {
   const std::string folder = std::string(FOREWALK_SHARED_DATA) + "/walks/searching-a/";
   std::ifstream file(folder + "walks.csv", std::ios::binary);
@@ -205,7 +192,7 @@ TEST(CapiAxes, DoNotChangeTheVirtualWalkOfARecordedUser) {
   forewalk_session_settings settings = testing::defaultSettings();
   settings.width = settings.depth = 10.0f;  // smaller than the walk, so that there are resets
   settings.limits = FOREWALK_LIMITS_LABORATORY;
-  std::vector<TimedHead> heads = recordedHeads(walks->front());
+  std::vector<TimedHead> heads = testing::recordedHeads(walks->front(), 30.0);
   heads.resize(std::min<std::size_t>(heads.size(), 1800));
   expectMirrored(navmesh, settings, heads, 1);
 }

@@ -12,6 +12,7 @@
 #include "navmesh/random.h"
 #include "navmesh/world.h"
 #include "rdw/pose.h"
+#include "rdw/walk_file.h"
 #include "service/capi/forewalk.h"
 #include "tests/support/block_scene.h"
 
@@ -107,6 +108,19 @@ inline std::vector<TimedHead> wander(std::uint64_t seed, int frames) {
                                 static_cast<float>(-plan.y)),
                       glm::quat(yaw * pitch * roll)},
                      i / 90.0});
+  }
+  return heads;
+}
+
+/// A recorded walk, so many frames a second, by somebody 1.7 m tall who looks where they walk.
+inline std::vector<TimedHead> recordedHeads(const rdw::Walk& walk, double rate) {
+  std::vector<TimedHead> heads;
+  for (const rdw::WalkFrame& at : rdw::resample(walk, rate)) {
+    const double half = 0.5 * at.heading;
+    heads.push_back({{navmesh::toSpace(glm::vec2(at.plan), 1.7f),
+                      glm::quat(static_cast<float>(std::cos(half)), 0.0f,
+                                static_cast<float>(std::sin(half)), 0.0f)},
+                     static_cast<double>(heads.size()) / rate});
   }
   return heads;
 }

@@ -174,7 +174,7 @@ if(TARGET openxr_layer)
   find_path(FOREWALK_VALIDATION_FOLDER XrApiLayer_core_validation.${CMAKE_LIBRARY_ARCHITECTURE}.json
     PATHS /usr/share/openxr/1/api_layers/explicit.d)
   foreach(name openxr_layer_test openxr_events_test openxr_threads_test)
-    forewalk_test(service/openxr/${name}.cpp LIBS forewalk::service OpenXR::headers)
+    forewalk_test(service/openxr/${name}.cpp LIBS service_core OpenXR::headers)
     if(TARGET ${name})
       add_dependencies(${name} openxr_layer openxr_fake_runtime openxr_walk_client)
       target_compile_definitions(${name} PRIVATE
@@ -189,3 +189,6 @@ else()
     COMMAND ${CMAKE_COMMAND} -E echo "skipped: there is no libopenxr-dev here")
   set_tests_properties(OpenXrLayer.RedirectsAnyApplication PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped")
 endif()
+
+# The Unity package.
+include(${CMAKE_CURRENT_LIST_DIR}/unity/tests.cmake)
