@@ -63,7 +63,7 @@ TEST_F(LayerTest, TheBodyIsRedirectedAsOneAndWhatIsFixedStays) {
   const Walked walked = walkedByTheLibrary();
   const auto took = [this] { return outcome_.out.substr(outcome_.out.find("frame: ")); };
   const Answers plain = walk(false);
-  std::printf("the client's 12 answers and 3 pictures, median and 99 %%: without the layer %s",
+  std::printf("the client's 15 answers and 3 pictures, median and 99 %%: without the layer %s",
               took().c_str());
   const Answers answers = walk(true);
   std::printf("with it %s", took().c_str());
@@ -86,6 +86,16 @@ TEST_F(LayerTest, TheBodyIsRedirectedAsOneAndWhatIsFixedStays) {
     expectNear(at("local_in_stage") * at("hand_in_local"), at("hand_in_stage"), kExact, where);
     expectNear(at("shelf_in_local") * at("view_in_shelf"), at("view_in_local"), kExact, where);
     expectNear(at("hand_in_local") * at("shelf_in_hand"), at("shelf_in_local"), kExact, where);
+    // Whoever asks in one go, or for the joints of a hand, is told the same.
+    for (const char* name : {"view", "hand"}) {
+      const std::string together = std::string("together_") + name;
+      ASSERT_TRUE(testing::sameBits(of(answers, together).at(frame).pose,
+                                    of(answers, name + std::string("_in_local")).at(frame).pose));
+    }
+    const Rigid finger = inverse(before("hand_in_local")) * before("finger_in_local");
+    expectNear(at("finger_in_local"), at("hand_in_local") * finger, kExact, where);
+    ASSERT_NEAR(glm::length(of(answers, "finger_in_local").at(frame).linear),
+                glm::length(of(plain, "finger_in_local").at(frame).linear), 1e-4);
     // The eyes are where they are in the head.
     expectNear(inverse(at("view_in_local")) * at("left_eye"),
                inverse(before("view_in_local")) * before("left_eye"), kExact, where);
