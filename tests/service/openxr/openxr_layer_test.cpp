@@ -14,9 +14,10 @@ namespace {
 using testing::Answers;
 using testing::apart;
 using testing::expectNear;
-using testing::LayerTest;
 using testing::Located;
 using testing::Rigid;
+
+using OpenXrLayer = testing::LayerTest;
 
 // Answers are floats, some 40 m from the origin; a pose that went through two of them is off by
 // a few of their last bits.
@@ -29,7 +30,7 @@ const std::map<int, Located>& of(const Answers& answers, const std::string& name
   return found == answers.end() ? kNone : found->second;
 }
 
-TEST_F(LayerTest, WithoutTheLayerTheClientSeesTheRuntimesPoses) {
+TEST_F(OpenXrLayer, WithoutTheLayerTheClientSeesTheRuntimesPoses) {
   const Answers answers = walk(false);
   const auto& heads = of(answers, "view_in_stage");
   ASSERT_EQ(static_cast<int>(heads.size()), frames());
@@ -39,7 +40,7 @@ TEST_F(LayerTest, WithoutTheLayerTheClientSeesTheRuntimesPoses) {
   }
 }
 
-TEST_F(LayerTest, EveryFrameIsTheLibrarys) {
+TEST_F(OpenXrLayer, EveryFrameIsTheLibrarys) {
   const Walked walked = walkedByTheLibrary();
   ASSERT_GE(walked.resets, 2u) << "a walk that tests nothing";
   const Answers answers = walk(true);
@@ -59,14 +60,15 @@ TEST_F(LayerTest, EveryFrameIsTheLibrarys) {
       << "nobody was redirected";
 }
 
-TEST_F(LayerTest, TheBodyIsRedirectedAsOneAndWhatIsFixedStays) {
+TEST_F(OpenXrLayer, TheBodyIsRedirectedAsOneAndWhatIsFixedStays) {
   const Walked walked = walkedByTheLibrary();
   const auto took = [this] { return outcome_.out.substr(outcome_.out.find("frame: ")); };
   const Answers plain = walk(false);
-  std::printf("the client's 15 answers and 3 pictures, median and 99 %%: without the layer %s",
-              took().c_str());
+  std::printf(
+      "processor time of 15 answers and 3 pictures, median and 99 %%; without the layer, %s",
+      took().c_str());
   const Answers answers = walk(true);
-  std::printf("with it %s", took().c_str());
+  std::printf("with it, %s", took().c_str());
   // What is seen from the same kind of space keeps the runtime's bits.
   for (const char* name : {"hand_in_view", "local_in_stage", "shelf_in_local"}) {
     for (const auto& [frame, at] : of(answers, name)) {
@@ -102,7 +104,7 @@ TEST_F(LayerTest, TheBodyIsRedirectedAsOneAndWhatIsFixedStays) {
   }
 }
 
-TEST_F(LayerTest, PicturesArriveInTheRoom) {
+TEST_F(OpenXrLayer, PicturesArriveInTheRoom) {
   walk(false);
   const Answers plain = pictures();
   const Answers answers = walk(true);
@@ -122,7 +124,7 @@ TEST_F(LayerTest, PicturesArriveInTheRoom) {
   }
 }
 
-TEST_F(LayerTest, VelocitiesAreTheBodysTurnedWithIt) {
+TEST_F(OpenXrLayer, VelocitiesAreTheBodysTurnedWithIt) {
   const Walked walked = walkedByTheLibrary();
   const Answers plain = walk(false), answers = walk(true);
   for (const auto& [frame, at] : of(answers, "hand_in_stage")) {
@@ -146,7 +148,7 @@ TEST_F(LayerTest, VelocitiesAreTheBodysTurnedWithIt) {
   }
 }
 
-TEST_F(LayerTest, ThePictureIsTintedWhileTheUserIsToTurn) {
+TEST_F(OpenXrLayer, ThePictureIsTintedWhileTheUserIsToTurn) {
   const Walked walked = walkedByTheLibrary();
   configure(R"("reset_tint": [1, 0.25, 0.5])");
   walk(true);
@@ -161,7 +163,7 @@ TEST_F(LayerTest, ThePictureIsTintedWhileTheUserIsToTurn) {
   EXPECT_LT(tinted, frames() / 2);
 }
 
-TEST_F(LayerTest, ARuntimeThatCannotTintOrHasNoStageIsRedirectedAllTheSame) {
+TEST_F(OpenXrLayer, ARuntimeThatCannotTintOrHasNoStageIsRedirectedAllTheSame) {
   set("FAKE_OPENXR_NO_TINT", "1");
   set("FAKE_OPENXR_NO_STAGE", "1");
   // The floor is as far under LOCAL as the runtime of the other tests has it.
@@ -178,7 +180,7 @@ TEST_F(LayerTest, ARuntimeThatCannotTintOrHasNoStageIsRedirectedAllTheSame) {
   EXPECT_NEAR((up * first).move.z, 12.0, kExact);
 }
 
-TEST_F(LayerTest, TheRoomIsTheRuntimesWhereTheFileSaysSo) {
+TEST_F(OpenXrLayer, TheRoomIsTheRuntimesWhereTheFileSaysSo) {
   set("FAKE_OPENXR_BOUNDS", "4 4");
   const Answers known = walk(true);
   const std::string told = outcome_.out;
@@ -193,7 +195,7 @@ TEST_F(LayerTest, TheRoomIsTheRuntimesWhereTheFileSaysSo) {
   EXPECT_THAT(outcome_.out, ::testing::HasSubstr("bounds after 0: 7 0 0\n"));
 }
 
-TEST_F(LayerTest, WithoutBoundsOfTheStageEverythingIsPassedOn) {
+TEST_F(OpenXrLayer, WithoutBoundsOfTheStageEverythingIsPassedOn) {
   const Answers plain = walk(false);
   configure("", "\"stage\"");
   const Answers answers = walk(true);
