@@ -23,6 +23,9 @@ namespace {
 
 constexpr const char* kTintExtension = XR_KHR_COMPOSITION_LAYER_COLOR_SCALE_BIAS_EXTENSION_NAME;
 
+XrResult XRAPI_CALL getInstanceProcAddr(XrInstance handle, const char* name,
+                                        PFN_xrVoidFunction* function);
+
 struct EntryPoint {
   std::string_view name;
   PFN_xrVoidFunction function;
@@ -36,6 +39,7 @@ EntryPoint entry(std::string_view name, Function* function) {
 /// Null where the layer leaves the function alone.
 PFN_xrVoidFunction ourOwn(std::string_view name) {
   static const EntryPoint kOurs[] = {
+      entry("xrGetInstanceProcAddr", getInstanceProcAddr),
       entry("xrDestroyInstance", destroyInstance),
       entry("xrPollEvent", pollEvent),
       entry("xrCreateSession", createSession),

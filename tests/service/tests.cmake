@@ -170,6 +170,7 @@ if(TARGET openxr_layer)
   target_include_directories(openxr_fake_runtime PRIVATE ${PROJECT_SOURCE_DIR})
   set_target_properties(openxr_fake_runtime PROPERTIES CXX_VISIBILITY_PRESET hidden)
   add_executable(openxr_walk_client service/openxr/walk_client.cpp)
+  target_include_directories(openxr_walk_client PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(openxr_walk_client PRIVATE OpenXR::openxr_loader Threads::Threads project_options)
   find_path(FOREWALK_VALIDATION_FOLDER XrApiLayer_core_validation.${CMAKE_LIBRARY_ARCHITECTURE}.json
     PATHS /usr/share/openxr/1/api_layers/explicit.d)

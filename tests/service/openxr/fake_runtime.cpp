@@ -10,6 +10,7 @@
 //   FAKE_OPENXR_NO_TINT    set: there is no XR_KHR_composition_layer_color_scale_bias
 //   FAKE_OPENXR_RECENTRE   "local frame" or "stage frame": its origin comes to the head then
 //   FAKE_OPENXR_LOST       "first last": frames in which the head is not tracked
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -21,6 +22,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "service/openxr/api.h"
 #include "service/openxr/rigid.h"
@@ -29,6 +31,7 @@
 namespace {
 
 using namespace forewalk::testing;
+namespace openxr = forewalk::openxr;
 using forewalk::openxr::vectorOf;
 
 constexpr int kNotice = 5;  // frames between the announcement of a change and the change
@@ -86,21 +89,46 @@ glm::dvec3 spinBetween(const glm::dquat& from, const glm::dquat& to) {
   return sine < 1e-12 ? glm::dvec3(0.0) : axis / sine * (2.0 * std::atan2(sine, step.w));
 }
 
+/// Velocities, as differences over a frame.
+void measure(const Space& space, const Space& base, int frame, XrVector3f& linear,
+             XrVector3f& angular) {
+  const int last = static_cast<int>(runtime.room.walk.size()) - 1;
+  const Rigid now = rigidOf(located(space, base, frame));
+  const Rigid then = rigidOf(located(space, base, std::min(frame + 1, last)));
+  const double seconds = 1e-9 * static_cast<double>(kPeriod);
+  linear = vectorOf((then.move - now.move) / seconds);
+  angular = vectorOf(spinBetween(now.turn, then.turn) / seconds);
+}
+
 // What can be asked of any runtime.
+
+struct Extension {
+  const char* name;
+  std::uint32_t version;
+};
+
+std::vector<Extension> extensions() {
+  std::vector<Extension> known = {
+      {XR_MND_HEADLESS_EXTENSION_NAME, XR_MND_headless_SPEC_VERSION},
+      {XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_EXT_hand_tracking_SPEC_VERSION}};
+  if (std::getenv("FAKE_OPENXR_NO_TINT") == nullptr) {
+    known.push_back({XR_KHR_COMPOSITION_LAYER_COLOR_SCALE_BIAS_EXTENSION_NAME,
+                     XR_KHR_composition_layer_color_scale_bias_SPEC_VERSION});
+  }
+  return known;
+}
 
 XrResult XRAPI_CALL enumerateInstanceExtensionProperties(const char*, std::uint32_t capacity,
                                                          std::uint32_t* count,
                                                          XrExtensionProperties* properties) {
-  const bool tint = std::getenv("FAKE_OPENXR_NO_TINT") == nullptr;
-  *count = tint ? 2 : 1;
+  const std::vector<Extension> known = extensions();
+  *count = static_cast<std::uint32_t>(known.size());
   if (capacity == 0) return XR_SUCCESS;
   if (capacity < *count) return XR_ERROR_SIZE_INSUFFICIENT;
-  std::strcpy(properties[0].extensionName, XR_MND_HEADLESS_EXTENSION_NAME);
-  properties[0].extensionVersion = XR_MND_headless_SPEC_VERSION;
-  if (!tint) return XR_SUCCESS;
-  std::strcpy(properties[1].extensionName,
-              XR_KHR_COMPOSITION_LAYER_COLOR_SCALE_BIAS_EXTENSION_NAME);
-  properties[1].extensionVersion = XR_KHR_composition_layer_color_scale_bias_SPEC_VERSION;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    std::strcpy(properties[i].extensionName, known[i].name);
+    properties[i].extensionVersion = known[i].version;
+  }
   return XR_SUCCESS;
 }
 
@@ -113,9 +141,9 @@ XrResult XRAPI_CALL createInstance(const XrInstanceCreateInfo* info, XrInstance*
   if (runtime.room.walk.empty()) return XR_ERROR_RUNTIME_UNAVAILABLE;
   for (std::uint32_t i = 0; i < info->enabledExtensionCount; ++i) {
     const std::string_view name = info->enabledExtensionNames[i];
-    const bool known =
-        name == XR_MND_HEADLESS_EXTENSION_NAME ||
-        (name == XR_KHR_COMPOSITION_LAYER_COLOR_SCALE_BIAS_EXTENSION_NAME && runtime.room.hasTint);
+    const std::vector<Extension> all = extensions();
+    const bool known = std::any_of(
+        all.begin(), all.end(), [&](const Extension& extension) { return name == extension.name; });
     if (!known) return XR_ERROR_EXTENSION_NOT_PRESENT;
   }
   *instance = kInstance;
@@ -274,12 +302,45 @@ XrResult XRAPI_CALL locateSpace(XrSpace handle, XrSpace baseHandle, XrTime time,
     if (at->type != XR_TYPE_SPACE_VELOCITY) continue;
     auto& velocity = *reinterpret_cast<XrSpaceVelocity*>(at);
     velocity.velocityFlags = lost ? 0 : 3;
-    const int next = runtime.room.frameAt(time + kPeriod);
-    const Rigid now = rigidOf(located(space->second, base->second, frame));
-    const Rigid then = rigidOf(located(space->second, base->second, next));
-    const double seconds = 1e-9 * static_cast<double>(kPeriod);
-    velocity.linearVelocity = vectorOf((then.move - now.move) / seconds);
-    velocity.angularVelocity = vectorOf(spinBetween(now.turn, then.turn) / seconds);
+    measure(space->second, base->second, frame, velocity.linearVelocity, velocity.angularVelocity);
+  }
+  return XR_SUCCESS;
+}
+
+XrResult XRAPI_CALL locateSpaces(XrSession, const openxr::SpacesLocateInfo* info,
+                                 openxr::SpaceLocations* locations) {
+  for (std::uint32_t i = 0; i < info->spaceCount; ++i) {
+    XrSpaceLocation location{XR_TYPE_SPACE_LOCATION, nullptr, 0, {}};
+    const XrResult result = locateSpace(info->spaces[i], info->baseSpace, info->time, &location);
+    if (XR_FAILED(result)) return result;
+    locations->locations[i] = {location.locationFlags, location.pose};
+  }
+  return XR_SUCCESS;
+}
+
+XrResult XRAPI_CALL createHandTracker(XrSession, const XrHandTrackerCreateInfoEXT*,
+                                      XrHandTrackerEXT* tracker) {
+  const std::lock_guard lock(runtime.mutex);
+  *tracker = newHandle<XrHandTrackerEXT>();
+  return XR_SUCCESS;
+}
+XrResult XRAPI_CALL destroyHandTracker(XrHandTrackerEXT) { return XR_SUCCESS; }
+
+/// All fingers lie along the hand's axis, a centimetre from joint to joint.
+XrResult XRAPI_CALL locateHandJoints(XrHandTrackerEXT, const XrHandJointsLocateInfoEXT* info,
+                                     XrHandJointLocationsEXT* locations) {
+  const std::lock_guard lock(runtime.mutex);
+  const Space& base = runtime.spaces.at(info->baseSpace);
+  const int frame = runtime.room.frameAt(info->time);
+  auto* velocities = static_cast<XrHandJointVelocitiesEXT*>(locations->next);
+  locations->isActive = XR_TRUE;
+  for (std::uint32_t i = 0; i < locations->jointCount; ++i) {
+    const XrPosef joint{{0, 0, 0, 1}, {0, 0, -0.01f * static_cast<float>(i)}};
+    const Space space{base.session, Anchor::kHand, joint};
+    locations->jointLocations[i] = {0xF, located(space, base, frame), 0.01f};
+    XrHandJointVelocityEXT& velocity = velocities->jointVelocities[i];
+    velocity.velocityFlags = 3;
+    measure(space, base, frame, velocity.linearVelocity, velocity.angularVelocity);
   }
   return XR_SUCCESS;
 }
@@ -418,6 +479,10 @@ XrResult XRAPI_CALL getInstanceProcAddr(XrInstance, const char* name,
       {"xrCreateActionSpace", of(createActionSpace)},
       {"xrDestroySpace", of(destroySpace)},
       {"xrLocateSpace", of(locateSpace)},
+      {"xrLocateSpacesKHR", of(locateSpaces)},
+      {"xrCreateHandTrackerEXT", of(createHandTracker)},
+      {"xrDestroyHandTrackerEXT", of(destroyHandTracker)},
+      {"xrLocateHandJointsEXT", of(locateHandJoints)},
       {"xrLocateViews", of(locateViews)},
       {"xrWaitFrame", of(waitFrame)},
       {"xrBeginFrame", of(beginFrame)},

@@ -14,9 +14,10 @@ namespace {
 using testing::Answers;
 using testing::apart;
 using testing::expectNear;
-using testing::LayerTest;
 using testing::Located;
 using testing::Rigid;
+
+using OpenXrLayer = testing::LayerTest;
 
 // Answers are floats, some 40 m from the origin; a pose that went through two of them is off by
 // a few of their last bits.
@@ -29,7 +30,7 @@ const std::map<int, Located>& of(const Answers& answers, const std::string& name
   return found == answers.end() ? kNone : found->second;
 }
 
-TEST_F(LayerTest, WithoutTheLayerTheClientSeesTheRuntimesPoses) {
+TEST_F(OpenXrLayer, WithoutTheLayerTheClientSeesTheRuntimesPoses) {
   const Answers answers = walk(false);
   const auto& heads = of(answers, "view_in_stage");
   ASSERT_EQ(static_cast<int>(heads.size()), frames());
@@ -39,7 +40,7 @@ TEST_F(LayerTest, WithoutTheLayerTheClientSeesTheRuntimesPoses) {
   }
 }
 
-TEST_F(LayerTest, EveryFrameIsTheLibrarys) {
+TEST_F(OpenXrLayer, EveryFrameIsTheLibrarys) {
   const Walked walked = walkedByTheLibrary();
   ASSERT_GE(walked.resets, 2u) << "a walk that tests nothing";
   const Answers answers = walk(true);
@@ -59,14 +60,15 @@ TEST_F(LayerTest, EveryFrameIsTheLibrarys) {
       << "nobody was redirected";
 }
 
-TEST_F(LayerTest, TheBodyIsRedirectedAsOneAndWhatIsFixedStays) {
+TEST_F(OpenXrLayer, TheBodyIsRedirectedAsOneAndWhatIsFixedStays) {
   const Walked walked = walkedByTheLibrary();
   const auto took = [this] { return outcome_.out.substr(outcome_.out.find("frame: ")); };
   const Answers plain = walk(false);
-  std::printf("the client's 12 answers and 3 pictures, median and 99 %%: without the layer %s",
-              took().c_str());
+  std::printf(
+      "processor time of 15 answers and 3 pictures, median and 99 %%; without the layer, %s",
+      took().c_str());
   const Answers answers = walk(true);
-  std::printf("with it %s", took().c_str());
+  std::printf("with it, %s", took().c_str());
   // What is seen from the same kind of space keeps the runtime's bits.
   for (const char* name : {"hand_in_view", "local_in_stage", "shelf_in_local"}) {
     for (const auto& [frame, at] : of(answers, name)) {
@@ -86,13 +88,23 @@ TEST_F(LayerTest, TheBodyIsRedirectedAsOneAndWhatIsFixedStays) {
     expectNear(at("local_in_stage") * at("hand_in_local"), at("hand_in_stage"), kExact, where);
     expectNear(at("shelf_in_local") * at("view_in_shelf"), at("view_in_local"), kExact, where);
     expectNear(at("hand_in_local") * at("shelf_in_hand"), at("shelf_in_local"), kExact, where);
+    // Whoever asks in one go, or for the joints of a hand, is told the same.
+    for (const char* name : {"view", "hand"}) {
+      const std::string together = std::string("together_") + name;
+      ASSERT_TRUE(testing::sameBits(of(answers, together).at(frame).pose,
+                                    of(answers, name + std::string("_in_local")).at(frame).pose));
+    }
+    const Rigid finger = inverse(before("hand_in_local")) * before("finger_in_local");
+    expectNear(at("finger_in_local"), at("hand_in_local") * finger, kExact, where);
+    ASSERT_NEAR(glm::length(of(answers, "finger_in_local").at(frame).linear),
+                glm::length(of(plain, "finger_in_local").at(frame).linear), 1e-4);
     // The eyes are where they are in the head.
     expectNear(inverse(at("view_in_local")) * at("left_eye"),
                inverse(before("view_in_local")) * before("left_eye"), kExact, where);
   }
 }
 
-TEST_F(LayerTest, PicturesArriveInTheRoom) {
+TEST_F(OpenXrLayer, PicturesArriveInTheRoom) {
   walk(false);
   const Answers plain = pictures();
   const Answers answers = walk(true);
@@ -112,7 +124,7 @@ TEST_F(LayerTest, PicturesArriveInTheRoom) {
   }
 }
 
-TEST_F(LayerTest, VelocitiesAreTheBodysTurnedWithIt) {
+TEST_F(OpenXrLayer, VelocitiesAreTheBodysTurnedWithIt) {
   const Walked walked = walkedByTheLibrary();
   const Answers plain = walk(false), answers = walk(true);
   for (const auto& [frame, at] : of(answers, "hand_in_stage")) {
@@ -136,7 +148,7 @@ TEST_F(LayerTest, VelocitiesAreTheBodysTurnedWithIt) {
   }
 }
 
-TEST_F(LayerTest, ThePictureIsTintedWhileTheUserIsToTurn) {
+TEST_F(OpenXrLayer, ThePictureIsTintedWhileTheUserIsToTurn) {
   const Walked walked = walkedByTheLibrary();
   configure(R"("reset_tint": [1, 0.25, 0.5])");
   walk(true);
@@ -151,7 +163,7 @@ TEST_F(LayerTest, ThePictureIsTintedWhileTheUserIsToTurn) {
   EXPECT_LT(tinted, frames() / 2);
 }
 
-TEST_F(LayerTest, ARuntimeThatCannotTintOrHasNoStageIsRedirectedAllTheSame) {
+TEST_F(OpenXrLayer, ARuntimeThatCannotTintOrHasNoStageIsRedirectedAllTheSame) {
   set("FAKE_OPENXR_NO_TINT", "1");
   set("FAKE_OPENXR_NO_STAGE", "1");
   // The floor is as far under LOCAL as the runtime of the other tests has it.
@@ -168,7 +180,7 @@ TEST_F(LayerTest, ARuntimeThatCannotTintOrHasNoStageIsRedirectedAllTheSame) {
   EXPECT_NEAR((up * first).move.z, 12.0, kExact);
 }
 
-TEST_F(LayerTest, TheRoomIsTheRuntimesWhereTheFileSaysSo) {
+TEST_F(OpenXrLayer, TheRoomIsTheRuntimesWhereTheFileSaysSo) {
   set("FAKE_OPENXR_BOUNDS", "4 4");
   const Answers known = walk(true);
   const std::string told = outcome_.out;
@@ -183,7 +195,7 @@ TEST_F(LayerTest, TheRoomIsTheRuntimesWhereTheFileSaysSo) {
   EXPECT_THAT(outcome_.out, ::testing::HasSubstr("bounds after 0: 7 0 0\n"));
 }
 
-TEST_F(LayerTest, WithoutBoundsOfTheStageEverythingIsPassedOn) {
+TEST_F(OpenXrLayer, WithoutBoundsOfTheStageEverythingIsPassedOn) {
   const Answers plain = walk(false);
   configure("", "\"stage\"");
   const Answers answers = walk(true);
