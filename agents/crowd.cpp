@@ -234,6 +234,7 @@ void Crowd::setStates(std::shared_ptr<const navmesh::PolygonStates> states, bool
                doors ? states.get() : nullptr);
   navigation_.setStates(std::move(states));
   wallsChanged_ = true;
+  std::fill(heldUp_.begin(), heldUp_.end(), 0.0f);  // a door may have opened
 }
 
 tl::expected<navmesh::ObstacleId, Error> Crowd::addObstacle(const navmesh::Obstacle& obstacle,
@@ -269,6 +270,8 @@ bool Crowd::removeObstacle(navmesh::ObstacleId id) {
   obstacles_.erase(gone, obstacles_.end());
   if (CellNavigation* cells = navigation_.cells()) cells->ground().removeObject(id);
   wallsChanged_ = true;
+  // Whoever turned aside for it goes straight on again.
+  std::fill(heldUp_.begin(), heldUp_.end(), 0.0f);
   return true;
 }
 

@@ -92,6 +92,19 @@ void WallIndex::assign(std::span<const Wall> walls) {
   cellStart_.push_back(static_cast<std::uint32_t>(cellWalls_.size()));
 }
 
+// By distance. Walls that meet in a corner are often equally far: then the one whose middle is
+// nearer comes first, as it does in the mirror, and only then the one with the smaller index.
+bool WallIndex::comesBefore(const NearWall& a, const NearWall& b, glm::vec2 position) const {
+  if (a.squaredDistance != b.squaredDistance) return a.squaredDistance < b.squaredDistance;
+  if (a.index == b.index) return false;
+  const auto toMiddle = [&](const NearWall& near) {
+    const glm::vec2 off = 0.5f * (walls_[near.index].from + walls_[near.index].to) - position;
+    return glm::dot(off, off);
+  };
+  const float toA = toMiddle(a), toB = toMiddle(b);
+  return toA != toB ? toA < toB : a.index < b.index;
+}
+
 void WallIndex::nearest(glm::vec2 position, float height, float radius, std::uint32_t count,
                         std::vector<NearWall>& found) const {
   found.clear();
@@ -101,11 +114,7 @@ void WallIndex::nearest(glm::vec2 position, float height, float radius, std::uin
   // time to the same place.
   const auto offer = [&](const NearWall& wall) {
     std::size_t at = found.size();
-    while (at > 0 && (found[at - 1].squaredDistance > wall.squaredDistance ||
-                      (found[at - 1].squaredDistance == wall.squaredDistance &&
-                       found[at - 1].index > wall.index))) {
-      --at;
-    }
+    while (at > 0 && comesBefore(wall, found[at - 1], position)) --at;
     if (at > 0 && found[at - 1].index == wall.index) return;
     if (at == count) return;
     if (found.size() == count) found.pop_back();
@@ -127,7 +136,7 @@ void WallIndex::nearest(glm::vec2 position, float height, float radius, std::uin
           const float rim = glm::distance(wall.from, position) + wall.clearance;
           squaredDistance = rim > 0.0f ? squared(rim) : 0.0f;
         } else {
-          if (navmesh::turn(wall.from, wall.to, position) < 0.0f) continue;
+          if (navmesh::exactTurn(wall.from, wall.to, position) < 0.0) continue;
           const glm::vec2 nearest = nearestOn(wall, position);
           squaredDistance = glm::dot(nearest - position, nearest - position);
         }

@@ -43,8 +43,8 @@ struct NearWall {
 /// world.
 struct Surroundings {
   std::span<const Neighbour> neighbours;  ///< ascending (squaredDistance, id)
-  std::span<const NearWall> walls;        ///< ascending (squaredDistance, index); only those that
-                                          ///< have the agent on their free side, and circles
+  std::span<const NearWall> walls;  ///< by squaredDistance, then as the middle is near; only those
+                                    ///< that have the agent on their free side, and circles
 };
 
 /// The rows of all agents. Lives until the next gather.
@@ -78,6 +78,8 @@ class WallIndex {
                std::vector<NearWall>& found) const;
 
  private:
+  bool comesBefore(const NearWall& a, const NearWall& b, glm::vec2 position) const;
+
   std::vector<Wall> walls_;
   glm::vec2 origin_{0.0f};
   float cell_ = 1.0f;

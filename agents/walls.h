@@ -43,14 +43,18 @@ inline float wallRadius(float radius, const Wall& wall) {
   return kept > 0.01f ? kept : 0.01f;
 }
 
-/// The nearest point of a wall's segment (its centre, for a circle).
+/// The nearest point of a wall's segment (its centre, for a circle). Measured from the nearer end,
+/// so that the mirrored wall, which runs the other way, has the mirrored point to the last bit.
 inline glm::vec2 nearestOn(const Wall& wall, glm::vec2 point) {
   const glm::vec2 edge = wall.to - wall.from;
+  const float fromStart = glm::dot(point - wall.from, edge);
+  const float fromEnd = glm::dot(wall.to - point, edge);
+  if (fromStart <= 0.0f) return wall.from;
+  if (fromEnd <= 0.0f) return wall.to;
   const float squaredLength = glm::dot(edge, edge);
-  if (!(squaredLength > 0.0f)) return wall.from;
-  const float share = glm::dot(point - wall.from, edge) / squaredLength;
-  if (share <= 0.0f) return wall.from;
-  return share >= 1.0f ? wall.to : wall.from + share * edge;
+  if (fromStart < fromEnd) return wall.from + fromStart / squaredLength * edge;
+  if (fromEnd < fromStart) return wall.to - fromEnd / squaredLength * edge;
+  return 0.5f * (wall.from + wall.to);
 }
 
 /// Whether the corner at the end of `wall` points into free ground (one can walk around it); also

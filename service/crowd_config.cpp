@@ -136,8 +136,16 @@ void readObstacle(Fields& file, const Json& object, std::size_t number, CrowdCon
   if (const Json* velocity = fields.find("velocity")) {
     readPoint(fields, *velocity, what("velocity"), placed.velocity);
   }
+  fields.number("from_s", 0.0, 1e6, placed.from);
+  fields.number("until_s", 0.0, 1e6, placed.until);
   fields.finish();
   if (file.problem().error()) return;
+  if (!(placed.until > placed.from)) {
+    return refuse(file.problem(),
+                  fmt::format("obstacles[{}] is there from {:g} s until {:g} s; until_s has to be "
+                              "later than from_s.",
+                              number, placed.from, placed.until));
+  }
   if (const auto valid = navmesh::validate(placed.shape); !valid) {
     return file.problem().say(valid.error().code,
                               fmt::format("obstacles[{}]: {}", number, valid.error().message));

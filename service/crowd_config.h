@@ -9,6 +9,7 @@
 //     "walls": [[[0, -10], [0, -1]], [[0, 1], [0, 10]]],
 //     "obstacles": [{"circle": [0, 5], "radius_m": 2},
 //                   {"box": [5, 5], "size": [2, 1], "heading_deg": 30, "velocity": [0.5, 0]},
+//                   {"box": [0, 0], "size": [0.2, 2], "from_s": 20, "until_s": 35},
 //                   {"polygon": [[1, 1], [2, 1], [2, 2]]}],
 //     "groups": [
 //       {"name": "visitors", "count": 18, "model": "social-forces",
@@ -26,6 +27,9 @@
 // - room: an outline with free ground inside. walls: thin ones, each a row of points. obstacles:
 // one
 //   of circle, box (its middle and whole size) or polygon each; those that move have a velocity.
+//   from_s, until_s: it is there from then until then only (a door that shuts at 20 s and opens at
+//   35 s, a cart that comes by); it moves from the moment it is there. Nobody is pushed out of what
+//   appears around them, but walks out of it.
 // - models: parameters by model (crowd_models.h); model: whose groups name none.
 // - groups: count 1 to 100000. human: walks its way and yields to nobody (Crowd, kHuman).
 //   radius_m, speed_m_per_s: a number, or [low, high] for random ones. depart_s: stands until then.
@@ -44,6 +48,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -107,6 +112,10 @@ struct CrowdGroup {
 struct PlacedObstacle {
   navmesh::Obstacle shape;
   glm::vec2 velocity{0.0f};
+  /// It is there when the tick begins at `from` seconds or later, and before `until`.
+  double from = 0.0, until = std::numeric_limits<double>::infinity();
+
+  bool isThere(double seconds) const { return seconds >= from && seconds < until; }
 };
 
 struct CrowdConfig {

@@ -114,10 +114,24 @@ void CrowdWalk::layGround() {
     agents::appendLoop(loop, glm::vec2(0.0f), walls);
   }
   crowd_.setFixedWalls(std::move(walls));
-  for (const PlacedObstacle& obstacle : config_.obstacles) {
-    (void)crowd_.addObstacle(obstacle.shape, obstacle.velocity);  // validated when it was read
-  }
+  obstacles_.resize(config_.obstacles.size());
+  placeObstacles();
   if (world_) crowd_.setWorld(world_);
+}
+
+void CrowdWalk::placeObstacles() {
+  // Half a tick early, so that a time which is a whole number of ticks is that tick's.
+  const double now = seconds() + 0.5 * config_.tick;
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    const PlacedObstacle& obstacle = config_.obstacles[k];
+    if (obstacle.isThere(now) == obstacles_[k].has_value()) continue;
+    if (obstacles_[k]) {
+      crowd_.removeObstacle(*obstacles_[k]);
+      obstacles_[k].reset();
+    } else if (const auto id = crowd_.addObstacle(obstacle.shape, obstacle.velocity)) {
+      obstacles_[k] = *id;  // valid: it was looked at when it was read
+    }
+  }
 }
 
 Error CrowdWalk::groupError(std::uint32_t group, ErrorCode code,
@@ -367,6 +381,7 @@ void CrowdWalk::arrive(Member& member, double now) {
 }
 
 void CrowdWalk::tick(const navmesh::ForEach& forEach) {
+  placeObstacles();
   setGoals(seconds(), config_.tick);
   moveHumans(config_.tick);
   crowd_.step(static_cast<float>(config_.tick), forEach);

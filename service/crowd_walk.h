@@ -78,6 +78,7 @@ class CrowdWalk {
 
   static agents::CrowdSettings settings(const CrowdConfig& config, float walkerRadius);
   void layGround();
+  void placeObstacles();
   Error groupError(std::uint32_t group, ErrorCode code, const std::string& sentence) const;
   std::optional<glm::vec3> onGround(glm::vec2 at, float height, float radius);
   glm::vec2 randomIn(const PlanArea& area);
@@ -107,6 +108,8 @@ class CrowdWalk {
   agents::Crowd crowd_;
   std::vector<Member> members_;
   std::vector<std::size_t> firstOf_;  // of each group, in members_
+  std::vector<std::optional<navmesh::ObstacleId>>
+      obstacles_;  // of the file's: those that are there
   double nextFollow_ = 0.0;
   std::uint64_t ticks_ = 0;
   std::vector<double> arrivals_, efficiency_;

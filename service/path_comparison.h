@@ -120,8 +120,17 @@ std::string toCsv(const PathComparison& comparison);
 std::string toDistancesCsv(const PathComparison& comparison);
 /// `forewalk.paths/1`; parsePathTables reads its tables back.
 std::string toJson(const PathComparison& comparison);
-/// SVG: all paths from above, people in greys, groups of models in colours; over `floor`, if there
-/// is one. Needs paths that were read from files.
-std::string pathPlan(const PathComparison& comparison, const navmesh::NavGraph* floor = nullptr);
+/// What a plan of paths says and shows beside them.
+struct PathPlanFrame {
+  std::string title = "Paths";
+  std::string subtitle;                             ///< empty: how many paths of whom
+  const navmesh::NavGraph* floor = nullptr;         ///< drawn under all, if there is one
+  std::vector<std::vector<glm::dvec2>> outlines{};  ///< closed, plan, metres: what stands about,
+                                                    ///< places that have a meaning
+};
+
+/// SVG: all paths from above, people in greys, groups of models in colours. Needs paths with
+/// points.
+std::string pathPlan(const PathComparison& comparison, const PathPlanFrame& frame = {});
 
 }  // namespace forewalk::service

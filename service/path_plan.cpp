@@ -56,17 +56,29 @@ std::string subtitleOf(const PathComparison& comparison) {
 
 }  // namespace
 
-std::string pathPlan(const PathComparison& comparison, const navmesh::NavGraph* floor) {
+std::string pathPlan(const PathComparison& comparison, const PathPlanFrame& frame) {
+  const navmesh::NavGraph* const floor = frame.floor;
   prediction::PlanBounds bounds;
   if (floor != nullptr) bounds = prediction::boundsOf(*floor);
   for (const ComparedPath& path : comparison.paths) {
     for (const glm::dvec2 point : path.points) bounds.add(point);
   }
+  for (const std::vector<glm::dvec2>& outline : frame.outlines) {
+    for (const glm::dvec2 point : outline) bounds.add(point);
+  }
   const PlanPage page(bounds);
   SvgDrawing drawing(page.pageSize().x, page.pageSize().y, "#fdfcfa");
-  drawing.title("Paths");
-  prediction::drawHeading(drawing, page, "Paths", subtitleOf(comparison));
+  drawing.title(frame.title);
+  prediction::drawHeading(drawing, page, frame.title,
+                          frame.subtitle.empty() ? subtitleOf(comparison) : frame.subtitle);
   if (floor != nullptr) prediction::drawWalkable(drawing, page, *floor, {});
+  for (const std::vector<glm::dvec2>& outline : frame.outlines) {
+    std::vector<glm::dvec2> points;
+    for (const glm::dvec2 point : outline) points.push_back(page.at(point));
+    drawing.polyline(points, true,
+                     "fill=\"#c9bfae\" fill-opacity=\"0.45\" stroke=\"#8d8371\" "
+                     "stroke-width=\"1\"");
+  }
   prediction::drawCoordinates(drawing, page);
 
   struct Line {
@@ -75,11 +87,12 @@ std::string pathPlan(const PathComparison& comparison, const navmesh::NavGraph* 
     double width;
   };
   std::vector<Line> lines;
+  const double thick = comparison.paths.size() <= kNamed ? 2.8 : 1.3;  // many hide each other
   for (std::size_t g = 0; g < comparison.groups.size(); ++g) {
     const std::vector<std::size_t>& members = comparison.groups[g].paths;
     for (std::size_t i = 0; i < members.size(); ++i) {
       lines.push_back({members[i], g == 0 ? colourOf(kPeople, i) : colourOf(kModels, g - 1),
-                       g == 0 ? 1.6 : 2.8});
+                       g == 0 ? 1.6 : thick});
     }
   }
   for (const Line& line : lines) {

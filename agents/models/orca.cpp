@@ -104,9 +104,12 @@ bool planeOfWall(std::span<const Wall> walls, std::uint32_t which, glm::vec2 pos
   }
 
   const glm::vec2 span = left.to - right.to;
-  const float share = glm::dot(-right.to, span) / glm::dot(span, span);  // of the nearest point
-  const glm::vec2 toLine = right.to + share * span;
-  const float squaredToLine = glm::dot(toLine, toLine);
+  // All of this as it is from the wall's other end, so that the mirrored wall has the mirrored
+  // plane to the last bit.
+  const bool beyondRight = glm::dot(right.to, span) > 0.0f,
+             beyondLeft = glm::dot(left.to, span) < 0.0f;
+  const float area = cross(right.to, left.to);
+  const float squaredToLine = area * area / glm::dot(span, span);
   const float squaredRadius = radius * radius;
 
   // In contact: do not go farther in.
@@ -114,26 +117,26 @@ bool planeOfWall(std::span<const Wall> walls, std::uint32_t which, glm::vec2 pos
     plane = {wall.velocity, direction};
     return true;
   };
-  if (share < 0.0f && glm::dot(right.to, right.to) <= squaredRadius) {
+  if (beyondRight && glm::dot(right.to, right.to) <= squaredRadius) {
     // Where the corner is seen from the neighbour's side as well, that wall makes this plane.
     if (!right.pointsOut || cross(right.to, right.beyond) < 0.0f) return false;
     return stop(unit(leftOf(right.to)));
   }
-  if (share > 1.0f && glm::dot(left.to, left.to) <= squaredRadius) {
+  if (beyondLeft && glm::dot(left.to, left.to) <= squaredRadius) {
     return left.pointsOut && stop(unit(leftOf(left.to)));
   }
-  if (share >= 0.0f && share <= 1.0f && squaredToLine <= squaredRadius) return stop(along);
+  if (!beyondRight && !beyondLeft && squaredToLine <= squaredRadius) return stop(along);
 
   // The legs. Seen end-on, within `radius` of its line, a wall is its nearer end alone.
   bool isPoint = false;
-  if (share > 1.0f && squaredToLine <= squaredRadius) {
+  if (beyondLeft && squaredToLine <= squaredRadius) {
     if (!left.pointsOut) return false;
     isPoint = true;
     const glm::vec2 back = -along;
     right = {left.to, true, back, -1.0f};
     left.leg = tangentTo(left, radius, 1.0f);
     right.leg = tangentTo(left, radius, -1.0f);
-  } else if (share < 0.0f && squaredToLine <= squaredRadius) {
+  } else if (beyondRight && squaredToLine <= squaredRadius) {
     if (!right.pointsOut) return false;
     isPoint = true;
     left = {right.to, true, along, 1.0f};
@@ -154,8 +157,8 @@ bool planeOfWall(std::span<const Wall> walls, std::uint32_t which, glm::vec2 pos
 
   const glm::vec2 leftCut = cut * left.to, rightCut = cut * right.to;
   const glm::vec2 cutSpan = leftCut - rightCut;
-  const float at =
-      isPoint ? 0.5f : glm::dot(velocity - rightCut, cutSpan) / glm::dot(cutSpan, cutSpan);
+  const bool beforeCut = !isPoint && glm::dot(velocity - rightCut, cutSpan) < 0.0f;
+  const bool behindCut = !isPoint && glm::dot(leftCut - velocity, cutSpan) < 0.0f;
   const float onLeft = glm::dot(velocity - leftCut, left.leg);
   const float onRight = glm::dot(velocity - rightCut, right.leg);
   const auto aroundEnd = [&](glm::vec2 centre) {
@@ -163,23 +166,25 @@ bool planeOfWall(std::span<const Wall> walls, std::uint32_t which, glm::vec2 pos
     plane = {centre + cut * radius * out + wall.velocity, {out.y, -out.x}};
     return true;
   };
-  if ((at > 1.0f && onLeft < 0.0f) || (isPoint && onLeft < 0.0f && onRight < 0.0f)) {
+  if ((behindCut && onLeft < 0.0f) || (isPoint && onLeft < 0.0f && onRight < 0.0f)) {
     return aroundEnd(leftCut);
   }
-  if (at < 0.0f && onRight < 0.0f) return aroundEnd(rightCut);
+  if (beforeCut && onRight < 0.0f) return aroundEnd(rightCut);
 
   constexpr float kFar = std::numeric_limits<float>::infinity();
   const auto squaredTo = [&](glm::vec2 point) {
     return glm::dot(velocity - point, velocity - point);
   };
-  const float toCut = isPoint || at < 0.0f || at > 1.0f ? kFar : squaredTo(rightCut + at * cutSpan);
+  const float cutArea = cross(rightCut - velocity, leftCut - velocity);
+  const float toCut =
+      isPoint || beforeCut || behindCut ? kFar : cutArea * cutArea / glm::dot(cutSpan, cutSpan);
   const float toLeft = onLeft < 0.0f ? kFar : squaredTo(leftCut + onLeft * left.leg);
   const float toRight = onRight < 0.0f ? kFar : squaredTo(rightCut + onRight * right.leg);
   const auto tangent = [&](glm::vec2 through, glm::vec2 direction) {
     plane = {through + cut * radius * leftOf(direction) + wall.velocity, direction};
     return true;
   };
-  if (toCut <= toLeft && toCut <= toRight) return tangent(leftCut, along);
+  if (toCut <= toLeft && toCut <= toRight) return tangent(0.5f * (leftCut + rightCut), along);
   if (toLeft <= toRight) return !left.foreign && tangent(leftCut, left.leg);
   return !right.foreign && tangent(rightCut, -right.leg);
 }

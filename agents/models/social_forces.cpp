@@ -140,13 +140,7 @@ class SocialForces final : public Model {
     const Wall& wall = input.around.walls[which];
     const glm::vec2 position = agents.position[self];
     const glm::vec2 nearest = nearestOn(wall, position);
-    // A corner is the nearest point of both its walls, and counts once: for the one that ends
-    // there, if that was gathered (it was not when the tick began on its far side).
-    if (!wall.isCircle() && nearest == wall.from && wall.previous != kNoWall) {
-      for (const NearWall& other : input.around.of(self).walls) {
-        if (other.index == wall.previous) return glm::vec2(0.0f);
-      }
-    }
+    if (!wall.isCircle() && isOthersCorner(input, self, which, nearest)) return glm::vec2(0.0f);
     const glm::vec2 between = position - nearest;
     const float distance = glm::length(between);
     const float reach = wallRadius(agents.radius[self], wall);
@@ -175,6 +169,25 @@ class SocialForces final : public Model {
                           input.seconds);
     }
     return sum;
+  }
+
+  /// Whether the nearest point of a wall is a corner that the wall beyond it answers for: that one
+  /// is nearer, or as near and comes first. (It is not asked where it was not gathered, as when the
+  /// tick began on its far side.)
+  static bool isOthersCorner(const PlanInput& input, std::uint32_t self, std::uint32_t which,
+                             glm::vec2 nearest) {
+    const Wall& wall = input.around.walls[which];
+    const std::uint32_t beyond = nearest == wall.from ? wall.previous
+                                 : nearest == wall.to ? wall.next
+                                                      : kNoWall;
+    if (beyond == kNoWall) return false;
+    bool first = true;  // of the two
+    for (const NearWall& other : input.around.of(self).walls) {
+      if (other.index == which) first = false;
+      if (other.index != beyond) continue;
+      return first || nearestOn(input.around.walls[beyond], input.agents.position[self]) != nearest;
+    }
+    return false;
   }
 
   SocialForceParameters p_;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "service/cli/paths_buildings.h"
 #include "service/cli/verb.h"
 #include "service/console.h"
 #include "service/files.h"
@@ -20,6 +21,7 @@ struct PathsOptions {
   std::vector<std::string> model;
   std::vector<std::string> groups;
   std::string form = "both";
+  BuildingsOptions buildings;
   std::filesystem::path scene;
   service::ComparisonSettings settings;
   std::filesystem::path out;
@@ -47,10 +49,21 @@ service::GroupMentions::Group parseGroup(const std::string& text) {
 
 // What cannot be meant together.
 void refuseContradictions(const PathsOptions& options) {
+  if (!options.buildings.pairs.empty()) {
+    const bool others = !options.files.empty() || !options.table.empty() ||
+                        !options.model.empty() || !options.groups.empty() || !options.scene.empty();
+    if (others) {
+      throw CLI::ValidationError("--building",
+                                 "says who walks where: leave out paths, --table, --model, --group "
+                                 "and --scene");
+    }
+    return;
+  }
   if (options.files.empty() == options.table.empty()) {
-    throw CLI::ValidationError("PATHS", options.files.empty()
-                                            ? "give files of paths, or --table with their distances"
-                                            : "paths and --table exclude each other; give one");
+    throw CLI::ValidationError(
+        "PATHS", options.files.empty() ? "give files of paths, --table with their distances, or "
+                                         "--building with recorded people"
+                                       : "paths and --table exclude each other; give one");
   }
   if (!options.table.empty() && (options.form != "both" || !options.scene.empty())) {
     throw CLI::ValidationError(
@@ -102,6 +115,9 @@ tl::expected<void, Error> run(PathsOptions options) {
   for (const std::string& group : options.groups) mentions.groups.push_back(parseGroup(group));
   options.settings.raw = options.form != "normalised";
   options.settings.normalised = options.form != "raw";
+  if (!options.buildings.pairs.empty()) {
+    return runBuildings(options.buildings, options.settings, options.out);
+  }
 
   const std::string prefix = options.out.string();
   const bool drawn = !options.files.empty();
@@ -129,7 +145,9 @@ tl::expected<void, Error> run(PathsOptions options) {
   if (prefix.empty()) return {};
   std::vector<std::string> texts{service::toCsv(comparison), service::toDistancesCsv(comparison),
                                  service::toJson(comparison)};
-  if (drawn) texts.push_back(service::pathPlan(comparison, world ? &world->graph : nullptr));
+  service::PathPlanFrame frame;
+  if (world) frame.floor = &world->graph;
+  if (drawn) texts.push_back(service::pathPlan(comparison, frame));
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (auto written = service::writeFile(files[i], texts[i]); !written) return written;
   }
@@ -178,6 +196,7 @@ Verb addPaths(CLI::App& program) {
       ->capture_default_str();
   verb->add_option("--scene", options->scene, "Walkable area to draw under the paths")
       ->check(fileName);
+  addBuildingsOptions(*verb, options->buildings);
   verb->add_option("--out", options->out,
                    "Where to write: OUT.csv, OUT-distances.csv, OUT.json, OUT.svg")
       ->check(fileName);
@@ -186,6 +205,7 @@ Verb addPaths(CLI::App& program) {
       "  forewalk paths people.csv hrvo.csv social.csv --out out/paths\n"
       "  forewalk paths walks.csv --model u5 --scene house.obj --out out/u5\n"
       "  forewalk paths --table thesis_dtw.json\n"
+      "  forewalk paths --building a/scene.obj=a/walks.csv --out out/likeness\n"
       "Whoever is in no group is one of the people. Without --model and --group, a path called\n"
       "\"model\" is the model; else each file is a group, and the first holds the people.");
   return {verb, [options] { return run(*options); }};

@@ -100,7 +100,8 @@ TEST(WallIndex, FindsTheNearestVisibleWallsAsBruteForceDoes) {
       const std::uint32_t count = static_cast<std::uint32_t>(navmesh::uniformInt(rng, 12));
       std::vector<NearWall> expected, found;
       for (std::uint32_t w = 0; w < walls.size(); ++w) {
-        if (!walls[w].isCircle() && navmesh::turn(walls[w].from, walls[w].to, at) < 0.0f) continue;
+        if (!walls[w].isCircle() && navmesh::exactTurn(walls[w].from, walls[w].to, at) < 0.0)
+          continue;
         const glm::vec2 apart = nearestOn(walls[w], at) - at;
         float squared = glm::dot(apart, apart);
         if (walls[w].isCircle()) {
@@ -109,8 +110,14 @@ TEST(WallIndex, FindsTheNearestVisibleWallsAsBruteForceDoes) {
         }
         if (squared <= radius * radius) expected.push_back({w, squared});
       }
-      std::stable_sort(expected.begin(), expected.end(), [](const NearWall& a, const NearWall& b) {
-        return a.squaredDistance < b.squaredDistance;
+      // Of walls that meet in a corner, the one whose middle is nearer.
+      const auto toMiddle = [&](const NearWall& near) {
+        const glm::vec2 off = 0.5f * (walls[near.index].from + walls[near.index].to) - at;
+        return glm::dot(off, off);
+      };
+      std::stable_sort(expected.begin(), expected.end(), [&](const NearWall& a, const NearWall& b) {
+        return std::pair(a.squaredDistance, toMiddle(a)) <
+               std::pair(b.squaredDistance, toMiddle(b));
       });
       if (expected.size() > count) expected.resize(count);
       index.nearest(at, 0.0f, radius, count, found);

@@ -65,6 +65,8 @@ TEST(CrowdConfig, RefusesInOneLineThatSaysWhatToDo) {
       {file("", R"({"start": {"points": [[0, 0]]}, "goal": {"follow": "me"}})"), "no group before"},
       {file("", R"({"radius_m": [0.3, 0.2], "start": {"points": [[0, 0]]}})"), "range [low, high]"},
       {file(R"(, "obstacles": [{"circle": [0, 0], "box": [1, 1]}])", kRing), "one of circle, box"},
+      {file(R"(, "obstacles": [{"circle": [0, 0], "from_s": 9, "until_s": 5}])", kRing),
+       "until_s has to be later than from_s"},
       {file(R"(, "measure": {"area": [0, 0, 0, 1]})", kRing), "measure.area"},
   };
   for (const Case& one : cases) {
@@ -73,6 +75,36 @@ TEST(CrowdConfig, RefusesInOneLineThatSaysWhatToDo) {
     EXPECT_THAT(config.error().message, HasSubstr(one.saying));
     EXPECT_EQ(config.error().message.rfind("a.json", 0), 0u) << config.error().message;
   }
+}
+
+// A corridor 2 m wide that somebody walks along, and a door in its middle, shut for a while.
+TEST(CrowdRun, ADoorHoldsUpWhoComesWhileItIsShut) {
+  const auto secondsWith = [](const std::string& door) {
+    const CrowdResult result =
+        walked(file(R"(, "seconds": 60, "room": [[-10, -1], [10, -1], [10, 1], [-10, 1]],
+                  "obstacles": [)" +
+                        door + "]",
+                    R"({"start": {"points": [[-9, 0]]}, "goal": {"points": [[9, 0]]}})"));
+    for (std::size_t frame = 0; frame < result.recording.frames(); ++frame) {
+      // Nobody is in the shut door: it is 0.2 m thick.
+      const double seconds = 0.1 * static_cast<double>(frame);
+      const float x = result.recording.at(frame, 0).plan.x;
+      if (door.find("30") != std::string::npos && seconds > 2.1 && seconds < 29.9) {
+        EXPECT_LT(x, 0.0f) << seconds;
+      }
+    }
+    return result.metrics.arrived == 1 ? result.metrics.arrivals.front() : 1e9;
+  };
+  const double open = secondsWith("");
+  EXPECT_LT(open, 16.0);
+  const std::string wall = R"({"box": [0, 0], "size": [0.2, 2.2])";
+  EXPECT_EQ(secondsWith(wall + "}"), 1e9);
+  const double held = secondsWith(wall + R"(, "from_s": 2, "until_s": 30})");
+  EXPECT_GT(held, 30.0);
+  EXPECT_LT(held, 30.0 + open);
+  // Shut before anybody comes, or after.
+  EXPECT_EQ(secondsWith(wall + R"(, "until_s": 1})"), open);
+  EXPECT_EQ(secondsWith(wall + R"(, "from_s": 40})"), open);
 }
 
 TEST(CrowdConfig, RefusesAnAreaThatIsTooSmall) {

@@ -80,7 +80,10 @@ TEST_F(PathsCli, TakesAModelAndGroups) {
 }
 
 TEST_F(PathsCli, RefusesInOneLineWhatItCannotUse) {
-  refuses("paths", 2, "give files of paths, or --table");
+  refuses("paths", 2, "give files of paths, --table with their distances, or --building");
+  refuses("paths people.csv --building house.obj=people.csv", 2, "leave out paths");
+  refuses("paths --building people.csv", 2, "is not SCENE=WALKS");
+  refuses("paths --people 5 people.csv", 2, "--people requires --building");
   refuses("paths people.csv --table t.json", 2, "exclude each other");
   refuses("paths --table t.json --form raw", 2, "have no effect");
   refuses("paths people.csv --scene s.obj", 2, "--out");
@@ -133,6 +136,32 @@ TEST_F(PathsCli, ReadsRecordedWalks) {
   const json report = json::parse(contents("a.json"));
   EXPECT_GT(report["walks"][0]["length"], 50.0);
   EXPECT_EQ(report["analyses"][0]["separation"][0]["labellings"], 6);
+}
+
+// Sends the models on the errands of the recorded people of both buildings.
+TEST_F(PathsCli, WalksInRecordedPeoplesPlace) {
+  const fs::path walks = fs::path(FOREWALK_SHARED_DATA) / "walks";
+  if (!fs::exists(walks)) GTEST_SKIP() << "the recorded walks are not here: " << walks;
+  std::string buildings;
+  for (const char* name : {"searching-a", "searching-b"}) {
+    buildings += " --building '" + (walks / name / "scene.obj").string() + "=" +
+                 (walks / name / "walks.csv").string() + "'";
+  }
+  const Outcome outcome = run("paths" + buildings + " --out like");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("searching-b: 6 walks"));
+  EXPECT_THAT(outcome.out, HasSubstr("test 3, 20 objects"));
+  const json report = json::parse(contents("like.json"));
+  EXPECT_GT(report["sets"].size(), 8u);
+  ASSERT_EQ(report["walkers"].size(), 6u);
+  EXPECT_EQ(report["walkers"][0]["name"], "taut path");
+  EXPECT_EQ(report["walkers"][0]["arrived"], report["walkers"][0]["legs"]);
+  EXPECT_NEAR(report["walkers"][0]["detour"], 1.0, 1e-3);
+  EXPECT_EQ(report["walkers"][1]["normalised"]["labellings"], 4096);
+  for (const char* plan : {"like-searching-a.svg", "like-searching-b.svg",
+                           "like-test-1-8-objects.svg", "like-test-3-20-objects.svg"}) {
+    EXPECT_THAT(contents(plan), HasSubstr("</svg>"));
+  }
 }
 
 }  // namespace

@@ -142,6 +142,8 @@ forewalk_program_test(service/likelihood_cli_test.cpp LIBS nlohmann_json::nlohma
 # How like people simulated walkers walk.
 forewalk_test(service/path_tables_test.cpp LIBS forewalk::service)
 forewalk_test(service/path_comparison_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
+forewalk_test(service/walk_legs_test.cpp LIBS forewalk::service)
+forewalk_test(service/likeness_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
 forewalk_program_test(service/paths_cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 forewalk_test(service/trajectory_picture_test.cpp LIBS forewalk::service)
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "rdw/simulation.h"
 #include "service/parallel.h"
@@ -246,6 +247,23 @@ TEST(WalkCompany, RefusesWhatCannotBe) {
                               R"({"groups": [{"start": {"area": [-0.1, -0.1, 0.1, 0.1]}}]})"));
   ASSERT_FALSE(full);
   EXPECT_THAT(full.error().message, HasSubstr("no room for an agent"));
+}
+
+// The bundled walk, its first metres.
+TEST(WalkCompany, OfTheMuseumsVisitorsWalksAsItsFileSays) {
+  auto loaded = loadSimulation(FOREWALK_ASSETS "/simulations/museum_visitors.json");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  ASSERT_TRUE(loaded->company);
+  loaded->config.stop.virtualMetres = 6.0;
+  const auto one = walked(*loaded), two = walked(*loaded, onThreads(2));
+  ASSERT_GT(one.frames.size(), 100u);
+  EXPECT_EQ(rdw::traceCsv(one.frames), rdw::traceCsv(two.frames));
+  ASSERT_TRUE(one.summary.company);
+  EXPECT_EQ(one.summary.company->others, 48u);
+  for (const rdw::FrameRecord& frame : one.frames) {
+    ASSERT_TRUE(frame.company);
+    ASSERT_TRUE(std::isfinite(frame.company->clearance));
+  }
 }
 
 }  // namespace
