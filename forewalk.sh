@@ -11,8 +11,8 @@ PACKAGES=(g++ cmake make
   librecast-dev libsqlite3-dev libopenmesh-dev libtinygltf-dev libglm-dev nlohmann-json3-dev libexpected-dev
   libboost-dev libssl-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
 # clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
-# daemons; only `test all` asks for them.
-PACKAGES_ALL=(clang nginx-light)
+# daemons; Slurm walks an experiment; only `test all` asks for them.
+PACKAGES_ALL=(clang nginx-light slurm-wlm)
 
 help() {
   cat <<'TEXT'

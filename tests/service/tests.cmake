@@ -16,6 +16,7 @@ forewalk_test(service/walk_animation_test.cpp LIBS forewalk::service)
 forewalk_test(service/clip_file_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
 forewalk_test(service/walk_company_test.cpp LIBS forewalk::service fmt::fmt)
+forewalk_test(service/shared_world_test.cpp LIBS forewalk::service)
 forewalk_test(service/crowd_run_test.cpp LIBS forewalk::service SQLite::SQLite3 nlohmann_json::nlohmann_json)
 forewalk_test(service/rimea_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
 forewalk_program_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
@@ -86,3 +87,14 @@ forewalk_program_test(service/crowd_network_test.cpp LIBS forewalk::service)
 
 # Experiments: many walks, their results and report.
 forewalk_test(service/experiment_test.cpp LIBS forewalk::service)
+forewalk_test(service/experiment_users_test.cpp LIBS forewalk::service)
+
+# A job array on a real cluster of this machine; skipped where slurm-wlm or root is missing. Sanitizers
+# have seen what it runs.
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  add_test(NAME Slurm.AnArrayWithAKilledTaskGivesTheBytesOfOneProcess
+    COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/service/slurm_test.sh $<TARGET_FILE:forewalk>
+            ${PROJECT_SOURCE_DIR}/service/experiment/slurm/forewalk-array.sh ${PROJECT_SOURCE_DIR}/assets)
+  set_tests_properties(Slurm.AnArrayWithAKilledTaskGivesTheBytesOfOneProcess PROPERTIES
+    SKIP_RETURN_CODE 77 TIMEOUT 180)
+endif()
