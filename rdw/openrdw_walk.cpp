@@ -14,8 +14,7 @@ namespace forewalk::rdw {
 namespace {
 
 tl::unexpected<Error> damaged(const std::string& name, std::size_t line, std::string_view what) {
-  return tl::unexpected(
-      Error{ErrorCode::kDataDamaged, fmt::format("{}:{}: {}", name, line, what)});
+  return tl::unexpected(Error{ErrorCode::kDataDamaged, fmt::format("{}:{}: {}", name, line, what)});
 }
 
 std::string_view textOf(std::span<const std::byte> bytes) {

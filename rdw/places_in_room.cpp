@@ -10,10 +10,10 @@
 namespace forewalk::rdw {
 namespace {
 
-constexpr int kSteps = 48;           // of the grid, along the longer side of the room
-constexpr int kRounds = 12;          // in which everybody finds a better place; it settles sooner
-constexpr double kToWall = 0.25;     // metres
-constexpr double kToOthers = 1.0;    // metres
+constexpr int kSteps = 48;         // of the grid, along the longer side of the room
+constexpr int kRounds = 12;        // in which everybody finds a better place; it settles sooner
+constexpr double kToWall = 0.25;   // metres
+constexpr double kToOthers = 1.0;  // metres
 
 /// Places inside the room, and how far the walls are.
 struct Place {

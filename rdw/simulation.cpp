@@ -90,7 +90,9 @@ class Account {
     summary.resets = frame.resetCount;
     hash_.add(record);
     if (record.reset) summary.resetSeconds += dt;
-    if (!record.reset && frame.motion.usable()) {
+    // The frame in which a reset ends is still turned by it.
+    const bool resetting = std::exchange(wasReset_, record.reset) || record.reset;
+    if (!resetting && frame.motion.usable()) {
       translation_.add(static_cast<double>(record.gains.translation), physicalStep);
       curvature_.add(std::abs(static_cast<double>(record.gains.curvature)), physicalStep);
       if (std::abs(frame.motion.turnRate) > kTurning) {
@@ -135,6 +137,7 @@ class Account {
   std::vector<double> graphTimes_;
   std::vector<double> frameTimes_;
   bool outside_ = false;
+  bool wasReset_ = false;
 };
 
 /// Tells a walker who is stuck from one who rests.
@@ -287,11 +290,10 @@ tl::expected<std::unique_ptr<WalkInProgress>, Error> WalkInProgress::begin(
   if (!session) return tl::unexpected(session.error());
 
   if (company != nullptr) {
-    CompanyUser user{
-        {glm::dvec2(navmesh::toPlan(start.floor)), static_cast<double>(start.heading)},
-        start.floor.y,
-        (*walker)->target(),
-        config.user.walker.speed};
+    CompanyUser user{{glm::dvec2(navmesh::toPlan(start.floor)), static_cast<double>(start.heading)},
+                     start.floor.y,
+                     (*walker)->target(),
+                     config.user.walker.speed};
     if (auto begun = company->begin(user); !begun) return tl::unexpected(begun.error());
   }
   std::unique_ptr<WalkInProgress> walk(
@@ -389,8 +391,8 @@ tl::expected<std::vector<SimulationResult>, Error> simulateTogether(
                             "one.",
                             users.front().rate, users[i].rate)});
     }
-    auto begun = WalkInProgress::begin(world, users[i], run,
-                                       companies.empty() ? nullptr : companies[i]);
+    auto begun =
+        WalkInProgress::begin(world, users[i], run, companies.empty() ? nullptr : companies[i]);
     if (!begun) return tl::unexpected(begun.error());
     walks.push_back(std::move(*begun));
   }
@@ -430,8 +432,7 @@ tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> worl
                                                const SimulationConfig& config,
                                                const SimulationRun& run) {
   Company* const company[] = {run.company};
-  auto results =
-      simulateTogether(std::move(world), {&config, 1}, Sharing::kWorld, run, company);
+  auto results = simulateTogether(std::move(world), {&config, 1}, Sharing::kWorld, run, company);
   if (!results) return tl::unexpected(results.error());
   return std::move(results->front());
 }

@@ -80,9 +80,10 @@ enum class Sharing : std::uint8_t {
 };
 
 /// Several users at once, frame by frame: everybody sees the others where they were in the frame
-/// before, so that the order of `users` makes no difference (but for rounding, from three on). Whoever is done leaves the room. In
-/// `world`, users meet by way of `companies`, one per user, or empty: they walk through each other.
-/// A result per user, in their order; `run.company` is not used.
+/// before, so that the order of `users` makes no difference (but for rounding, from three on).
+/// Whoever is done leaves the room. In `world`, users meet by way of `companies`, one per user, or
+/// empty: they walk through each other. A result per user, in their order; `run.company` is not
+/// used.
 ///
 /// Fails as simulate, where there are none or more than kMostOthers + 1 users, or their rates
 /// differ. Costs a frame of every session a frame.

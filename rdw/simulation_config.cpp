@@ -23,22 +23,22 @@ using Json = nlohmann::json;
 constexpr std::string_view kFormat = "forewalk.simulation/1";
 constexpr std::size_t kMostWaypoints = 100000;
 
-void readSpace(Fields& file, SimulationFile& into) {
+void readSpace(Fields& file, std::string& fileName, TrackedSpace& space) {
   const Json* field = file.find("space");
   if (field == nullptr) return;
   if (field->is_string()) {
-    into.space = field->get<std::string>();
+    fileName = field->get<std::string>();
     return;
   }
   if (!field->is_object()) return file.wrongKind("space", "the name of a file, or an object {...}");
-  Fields fields(*field, "space.", file.problem());
+  Fields fields(*field, file.path() + "space.", file.problem());
   for (const std::string_view name :
        {"format", "rectangle", "circle", "polygon", "holes", "shape", "area_m2"})
     fields.find(name);
   fields.finish();
   const tl::expected<TrackedSpace, Error> made = spaceFromJson(*field);
   if (made) {
-    into.simulation.session.space = *made;
+    space = *made;
   } else {
     file.problem().pass(made.error());
   }
@@ -108,7 +108,7 @@ void readWaypoints(Fields& fields, UserFile& into) {
   if (points != nullptr && points->is_string()) {
     into.waypoints = points->get<std::string>();
   } else if (points == nullptr || !points->is_array() || points->empty() ||
-      points->size() > kMostWaypoints) {
+             points->size() > kMostWaypoints) {
     fields.wrongKind("waypoints",
                      fmt::format("a list of 1 to {} positions [x, y, z], or the name of a file",
                                  kMostWaypoints));
@@ -209,13 +209,26 @@ void readUsers(Fields& file, SimulationFile& into) {
   into.sharing = static_cast<Sharing>(shared);
   const Json* together = fields.find("together");
   if (together == nullptr) {
-    readUser(fields, into.users.emplace_back());
+    UserFile& user = into.users.emplace_back();
+    readUser(fields, user);
+    user.space = into.space;
+    user.room = into.simulation.session.space;
   } else if (!together->is_array() || together->empty()) {
     fields.wrongKind("together", "a list [...] of users {...}");
   } else {
     for (std::size_t i = 0; i < together->size(); ++i) {
       Fields one((*together)[i], fmt::format("user.together[{}].", i), file.problem());
-      readUser(one, into.users.emplace_back());
+      UserFile& user = into.users.emplace_back();
+      readUser(one, user);
+      user.space = into.space;
+      user.room = into.simulation.session.space;
+      if (one.has("space")) {
+        if (into.sharing == Sharing::kRoom) {
+          one.wrongKind("space", "left out: who shares a room has no other one");
+        }
+        user.space.clear();
+        readSpace(one, user.space, user.room);
+      }
       one.finish();
     }
   }
@@ -269,7 +282,7 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   fields.text("scene", file.scene);
   readImport(fields, file.import);
   readBuild(fields, file.build);
-  readSpace(fields, file);
+  readSpace(fields, file.space, session.space);
   readLimits(fields, session.limits);
   const std::vector<std::string_view> controllers(controllerNames().begin(),
                                                   controllerNames().end());

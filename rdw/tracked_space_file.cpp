@@ -125,8 +125,8 @@ tl::expected<TrackedSpace, Error> spaceFromJson(const Json& json) {
   const Json* holes = find("holes");
   const Json* shape = find("shape");
   const Json* area = find("area_m2");
-  const int shapes = (rectangle != nullptr) + (circle != nullptr) + (polygon != nullptr) +
-                     (shape != nullptr);
+  const int shapes =
+      (rectangle != nullptr) + (circle != nullptr) + (polygon != nullptr) + (shape != nullptr);
   if (shapes != 1) {
     return refused(
         ErrorCode::kDataDamaged,

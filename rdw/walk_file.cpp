@@ -151,7 +151,8 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
       }
       if (column != kT && std::abs(*value) > kFarthestSample) {
         return damaged(fmt::format("{}:{}: {} is {} m, farther out than {} m; are these metres?",
-                                   name, lines.number(), kColumnNames[column], *value, kFarthestSample));
+                                   name, lines.number(), kColumnNames[column], *value,
+                                   kFarthestSample));
       }
       values[column] = *value;
     }
@@ -178,16 +179,16 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
                         lastLine[found->second], inQuotes(walker)));
       }
       if (sample.seconds - walk.samples.front().seconds > kLongestWalk) {
-        return damaged(
-            fmt::format("{}:{}: t is {} s, {:.6g} s after walker {} began; a walk is {} s long at "
-                        "most: are these "
-                        "seconds?",
-                        name, lines.number(), sample.seconds,
-                        sample.seconds - walk.samples.front().seconds, inQuotes(walker), kLongestWalk));
+        return damaged(fmt::format(
+            "{}:{}: t is {} s, {:.6g} s after walker {} began; a walk is {} s long at "
+            "most: are these "
+            "seconds?",
+            name, lines.number(), sample.seconds, sample.seconds - walk.samples.front().seconds,
+            inQuotes(walker), kLongestWalk));
       }
       if (const auto problem = tooFast(before, sample)) {
-        return damaged(fmt::format("{}:{}: walker {} {}", name, lines.number(), inQuotes(walker),
-                                   *problem));
+        return damaged(
+            fmt::format("{}:{}: walker {} {}", name, lines.number(), inQuotes(walker), *problem));
       }
     }
     walk.samples.push_back(sample);

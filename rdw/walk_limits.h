@@ -8,7 +8,7 @@
 
 namespace forewalk::rdw {
 
-inline constexpr double kFarthestSample = 1e5;  // metres; beyond, single precision loses the cm
+inline constexpr double kFarthestSample = 1e5;   // metres; beyond, single precision loses the cm
 inline constexpr double kLongestWalk = 86400.0;  // seconds; a day, whatever the clock started from
 
 /// "moves 3 m in 0.1 s, faster than 12 m/s; cut the recording there." where nobody could have gone

@@ -64,7 +64,8 @@ class SharedWorld::Member final : public rdw::Company {
     bool inCollision = false;
     for (std::size_t i = 0; i < shared_.members_.size(); ++i) {
       const Member& other = *shared_.members_[i];
-      if (&other == this || !other.here_ || std::abs(other.before_.height - now_.height) > kStorey) {
+      if (&other == this || !other.here_ ||
+          std::abs(other.before_.height - now_.height) > kStorey) {
         touching_[i] = false;
         continue;
       }

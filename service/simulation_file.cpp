@@ -107,6 +107,12 @@ tl::expected<std::vector<rdw::SimulationConfig>, Error> SimulationLoader::usersO
       const std::size_t number = users.size() - 1;
       user.user = of.user;
       user.seed = rdw::seedOfUser(config.seed, number);
+      user.session.space = of.room;
+      if (!of.space.empty()) {
+        auto space = spaceOf(folder / of.space);
+        if (!space) return tl::unexpected(std::move(space.error()));
+        user.session.space = std::move(*space);
+      }
       if (!of.walks.empty()) {
         auto walk = walkOf(of, folder, i);
         if (!walk) return tl::unexpected(std::move(walk.error()));
@@ -129,7 +135,7 @@ tl::expected<std::vector<rdw::SimulationConfig>, Error> SimulationLoader::usersO
     }
   }
   if (users.size() > 1 && file.sharing == rdw::Sharing::kRoom) {
-    const auto places = rdw::placesInRoom(config.session.space, users.size());
+    const auto places = rdw::placesInRoom(users.front().session.space, users.size());
     if (!places) {
       return tl::unexpected(
           Error{places.error().code, fmt::format("{}: {}", name, places.error().message)});
@@ -161,11 +167,6 @@ tl::expected<LoadedSimulation, Error> SimulationLoader::load(const rdw::Simulati
   const std::lock_guard lock(mutex_);
   LoadedSimulation loaded;
   loaded.config = file.simulation;
-  if (!file.space.empty()) {
-    auto space = spaceOf(folder / file.space);
-    if (!space) return tl::unexpected(std::move(space.error()));
-    loaded.config.session.space = std::move(*space);
-  }
   auto users = usersOf(file, folder, loaded.config, name);
   if (!users) return tl::unexpected(std::move(users.error()));
   loaded.config = std::move(users->front());

@@ -28,8 +28,8 @@ struct LoadedSimulation {
   rdw::SimulationConfig config;                 ///< of the only user, or the first
   std::vector<rdw::SimulationConfig> others{};  ///< who walk at the same time
   rdw::Sharing sharing = rdw::Sharing::kRoom;   ///< what they have in common with them
-  std::optional<CompanyConfig> company;  ///< who else is in the building
-  float walkerRadius = 0.0f;             ///< of who the navmesh was built for, metres
+  std::optional<CompanyConfig> company;         ///< who else is in the building
+  float walkerRadius = 0.0f;                    ///< of who the navmesh was built for, metres
 };
 
 /// Reads what simulations name, each scene, room and recording once. Any number of threads may use
@@ -86,8 +86,9 @@ class SimulationLoader {
     const LoadedSimulation& loaded, rdw::SimulationRun run = {},
     const navmesh::ForEach& forEach = {});
 
-/// The first user, with all others there. Walks, in the company that the file asks for; `forEach`: who runs slices of a crowd's step, with
-/// the same result whoever does. Fails as rdw::simulate does.
+/// The first user, with all others there. Walks, in the company that the file asks for; `forEach`:
+/// who runs slices of a crowd's step, with the same result whoever does. Fails as rdw::simulate
+/// does.
 [[nodiscard]] tl::expected<rdw::SimulationResult, Error> simulate(
     const LoadedSimulation& loaded, rdw::SimulationRun run = {},
     const navmesh::ForEach& forEach = {});

@@ -84,22 +84,21 @@ tl::expected<void, Error> run(const SimulateOptions& options) {
   bar.reset();
   if (!results) {
     // The simulation knows no file names.
-    return tl::unexpected(
-        Error{results.error().code,
-              fmt::format("{}: {}", options.config.string(), results.error().message)});
+    return tl::unexpected(Error{results.error().code, fmt::format("{}: {}", options.config.string(),
+                                                                  results.error().message)});
   }
   for (std::size_t user = 0; user < results->size(); ++user) {
     const rdw::SimulationResult& result = (*results)[user];
     if (!options.trace.empty()) {
-      if (auto written = service::writeFile(ofUser(options.trace, user),
-                                            rdw::traceCsv(result.frames));
+      if (auto written =
+              service::writeFile(ofUser(options.trace, user), rdw::traceCsv(result.frames));
           !written) {
         return written;
       }
     }
     if (!options.summary.empty()) {
-      if (auto written = service::writeFile(ofUser(options.summary, user),
-                                            rdw::summaryJson(result.summary));
+      if (auto written =
+              service::writeFile(ofUser(options.summary, user), rdw::summaryJson(result.summary));
           !written) {
         return written;
       }
@@ -120,7 +119,8 @@ Verb addSimulate(CLI::App& program) {
   verb->add_option("CONFIG", options->config,
                    "forewalk.simulation/1: scene, tracked space, limits, controller, user, seed")
       ->required();
-  verb->add_option("--trace", options->trace, "CSV to write, a row per frame; - is stdout; of more users: FILE-2.csv, ...")
+  verb->add_option("--trace", options->trace,
+                   "CSV to write, a row per frame; - is stdout; of more users: FILE-2.csv, ...")
       ->check(fileName);
   verb->add_option("--summary", options->summary, "JSON to write, the walk in numbers; - is stdout")
       ->check(fileName);

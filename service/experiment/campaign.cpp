@@ -194,13 +194,17 @@ tl::expected<void, Error> Experiment::check(const LoadedSimulation& loaded,
     return tl::unexpected(Error{ErrorCode::kSettingOutOfRange,
                                 fmt::format("{} ({}): {}", file_.string(), namesOf(chosen), what)});
   };
-  const rdw::TrackedSpace& space = loaded.config.session.space;
-  if (space.clearance() < kBodyRadius) {
+  std::vector<const rdw::SimulationConfig*> users{&loaded.config};
+  for (const rdw::SimulationConfig& other : loaded.others) users.push_back(&other);
+  for (const rdw::SimulationConfig* user : users) {
+    const double clearance = user->session.space.clearance();
+    if (clearance >= kBodyRadius) continue;
     return refuse(
         fmt::format("the room is nowhere more than {:.2f} m from a wall or obstacle, a "
                     "body needs {:.2f} m; take a larger room.",
-                    space.clearance(), kBodyRadius));
+                    clearance, kBodyRadius));
   }
+  const rdw::TrackedSpace& space = loaded.config.session.space;
   const auto& start = loaded.config.start.physical;
   if (start && loaded.others.empty() && !space.contains(start->position)) {
     return refuse(

@@ -17,9 +17,8 @@ namespace {
 /// Equal to the bit but for NaN, which is like any other.
 template <std::size_t N>
 bool same(const std::array<double, N>& a, const std::array<double, N>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
-    return x == y || (std::isnan(x) && std::isnan(y));
-  });
+  return std::equal(a.begin(), a.end(), b.begin(),
+                    [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
 }
 
 /// Whether people notice what a gain does in this frame: those of walking while walking, that of
@@ -31,10 +30,9 @@ bool isNoticed(const rdw::FrameRecord& frame, const rdw::FrameRecord& before) {
   constexpr double kTurning = 10.0 * rdw::kPi / 180.0;  // rad/s
   const rdw::Gains& gains = frame.gains;
   const double dt = frame.t - before.t;
-  const bool walks =
-      glm::distance(frame.physicalPosition, before.physicalPosition) > kWalking * dt;
-  const bool turns = std::abs(rdw::wrapAngle(frame.physicalHeading - before.physicalHeading)) >
-                     kTurning * dt;
+  const bool walks = glm::distance(frame.physicalPosition, before.physicalPosition) > kWalking * dt;
+  const bool turns =
+      std::abs(rdw::wrapAngle(frame.physicalHeading - before.physicalHeading)) > kTurning * dt;
   return (walks && (gains.translation < threshold.translationMin - kRounding ||
                     gains.translation > threshold.translationMax + kRounding ||
                     std::abs(gains.curvature) > threshold.curvatureMax + kRounding)) ||
@@ -59,7 +57,8 @@ void addFrames(std::span<const rdw::FrameRecord> frames, const rdw::TrackedSpace
     const auto column = static_cast<std::size_t>(std::clamp(cell.x, 0.0, kHeatSide - 1.0));
     const auto line = static_cast<std::size_t>(std::clamp(cell.y, 0.0, kHeatSide - 1.0));
     ++heat[line * kHeatSide + column];
-    if (frame.reset || i == 0) continue;
+    // The frame in which a reset ends is still turned by it.
+    if (frame.reset || i == 0 || frames[i - 1].reset) continue;
     metres += glm::distance(frame.physicalPosition, frames[i - 1].physicalPosition);
     const double dt = frame.t - frames[i - 1].t;
     seconds += dt;
@@ -80,8 +79,7 @@ void addFrames(std::span<const rdw::FrameRecord> frames, const rdw::TrackedSpace
   set(Metric::kFlipsPer100Metres, metres > 0.0 ? 100.0 * static_cast<double>(flips) / metres : 0.0);
 }
 
-UserRow userOf(const rdw::SimulationResult& result, const rdw::TrackedSpace& space,
-               HeatMap& heat) {
+UserRow userOf(const rdw::SimulationResult& result, const rdw::TrackedSpace& space, HeatMap& heat) {
   const rdw::Summary& s = result.summary;
   UserRow row;
   row.end = rdw::nameOf(s.end);

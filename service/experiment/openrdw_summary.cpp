@@ -64,9 +64,7 @@ double most(const std::vector<double>& values) {
 }
 
 /// Infinity and NaN are no numbers in that form.
-std::string number(double value) {
-  return std::isfinite(value) ? fmt::format("{}", value) : "N/A";
-}
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "N/A"; }
 
 /// A cell that keeps to its column.
 std::string cell(std::string text) {

@@ -22,26 +22,26 @@ struct ExperimentPlan;
 
 /// What that form says beyond the metrics of a row, of one user.
 enum class OpenRdwValue : std::uint8_t {
-  kInjectedTranslation,        ///< m, sums
-  kInjectedByRotation,         ///< degrees
-  kInjectedByCurvature,        ///< degrees
-  kTranslationLeast,           ///< NaN, as the other extremes, where there was none
+  kInjectedTranslation,  ///< m, sums
+  kInjectedByRotation,   ///< degrees
+  kInjectedByCurvature,  ///< degrees
+  kTranslationLeast,     ///< NaN, as the other extremes, where there was none
   kTranslationMost,
   kRotationLeast,
   kRotationMost,
   kCurvatureLeast,
   kCurvatureMost,
-  kTranslationMean,            ///< of samples, as all that follow
+  kTranslationMean,  ///< of samples, as all that follow
   kRotationMean,
-  kCurvatureMean,              ///< of the absolute values
-  kInjectedTranslationMean,    ///< m a frame
-  kInjectedByRotationMean,     ///< degrees a frame
-  kInjectedByCurvatureMean,    ///< degrees a frame
-  kTranslationChangeMost,      ///< 1/s
-  kCurvatureChangeMost,        ///< 1/m/s
+  kCurvatureMean,            ///< of the absolute values
+  kInjectedTranslationMean,  ///< m a frame
+  kInjectedByRotationMean,   ///< degrees a frame
+  kInjectedByCurvatureMean,  ///< degrees a frame
+  kTranslationChangeMost,    ///< 1/s
+  kCurvatureChangeMost,      ///< 1/m/s
   kTranslationChangeMean,
   kCurvatureChangeMean,
-  kRealX,                      ///< m; the plan's x, y
+  kRealX,  ///< m; the plan's x, y
   kRealY,
   kVirtualX,
   kVirtualY,

@@ -4,12 +4,16 @@
 //     "format": "forewalk.experiment/1",
 //     "name": "steering in a museum",
 //     "walk": {"horizon_m": 10, "stop": {"virtual_m": 200}},
-//     "scenes": ["museum.obj", "plane", {"name": "fine", "scene": "museum.obj", "build": {"cell_m":
-//     0.05}}], "rooms": [{"name": "4 m x 4 m", "rectangle": [4, 4]}, "laboratory.txt"], "users":
-//     [{"name": "visitor", "kind": "wander", "pause_max_s": 5}], "controllers": ["none", "s2c",
-//     "s2c-predictive"], "resets": ["two-one-turn", "r2g"],
-//     "limits": ["steinicke", "toolkit"], "variants": [{"name": "10 m"},
-//     {"name": "20 m", "horizon_m": 20}], "seeds": 50, "traces": "first"
+//     "scenes": ["museum.obj", "plane",
+//                {"name": "fine", "scene": "museum.obj", "build": {"cell_m": 0.05}}],
+//     "rooms": [{"name": "4 m x 4 m", "rectangle": [4, 4]}, "laboratory.txt"],
+//     "users": [{"name": "visitor", "kind": "wander", "pause_max_s": 5},
+//               {"name": "three in a room", "kind": "wander", "count": 3}],
+//     "controllers": ["none", "s2c", "s2c-predictive"],
+//     "resets": ["two-one-turn", "r2g"],
+//     "limits": ["steinicke", "toolkit"],
+//     "variants": [{"name": "10 m"}, {"name": "20 m", "horizon_m": 20}],
+//     "seeds": 50, "traces": "first"
 //   }
 //
 // Every run is a `forewalk.simulation/1` (rdw/simulation_config.h): the keys of `walk`, then those
@@ -20,7 +24,9 @@
 // build, start.
 // - rooms: a file with a tracked space, or an object of `name` and the keys of forewalk.space/1.
 // - users: an object of `name` and the keys of `user`, with which several may walk at once: in one
-//   room, or in rooms of their own and one virtual world.
+//   room, or in rooms of their own and one virtual world. The toolkits' paths are kinds of user:
+//   90-degree turns {"kind": "legs"}, random turns {"kind": "legs", "turn": "uniform", "turn_deg":
+//   180}, straight {"kind": "legs", "turn_deg": 0}, sawtooth, circle, figure-eight, corridors.
 // - controllers: as in a simulation. resets, limits: likewise, or an object of `name` and the keys
 //   of `reset` or `limits`.
 // - variants: an object of `name` and any keys of a simulation.

@@ -141,13 +141,24 @@ void addTests(std::string& page, const Results& results, const Block& block, std
 
 /// All other metrics, means over all rooms.
 void addMetrics(std::string& page, const Results& results, const Block& block) {
-  constexpr Metric kShown[] = {
-      Metric::kMetresBetweenResets, Metric::kSecondsBetweenResets, Metric::kVirtualMetres,
-      Metric::kPhysicalMetres,      Metric::kTranslation,          Metric::kRotation,
-      Metric::kRotationOffset,      Metric::kCurvature,            Metric::kOverThreshold,
-      Metric::kBorderMean,          Metric::kBorderLeast,          Metric::kFlipsPer100Metres,
-      Metric::kViolations,          Metric::kGraphNodes,           Metric::kWayInGraph,
-      Metric::kWayNll,              Metric::kWayFirst,             Metric::kWayRank};
+  constexpr Metric kShown[] = {Metric::kMetresBetweenResets,
+                               Metric::kSecondsBetweenResets,
+                               Metric::kVirtualMetres,
+                               Metric::kPhysicalMetres,
+                               Metric::kTranslation,
+                               Metric::kRotation,
+                               Metric::kRotationOffset,
+                               Metric::kCurvature,
+                               Metric::kOverThreshold,
+                               Metric::kBorderMean,
+                               Metric::kBorderLeast,
+                               Metric::kFlipsPer100Metres,
+                               Metric::kViolations,
+                               Metric::kGraphNodes,
+                               Metric::kWayInGraph,
+                               Metric::kWayNll,
+                               Metric::kWayFirst,
+                               Metric::kWayRank};
   const auto& controllers = listOf(results, Axis::kController);
   page +=
       "<div class=\"wide\"><table><caption>Other measures: means over all "
@@ -177,7 +188,8 @@ void addUsers(std::string& page, const Results& results, const Block& block) {
   if (users < 2) return;
   const auto& controllers = listOf(results, Axis::kController);
   page +=
-      "<div class=\"wide\"><table><caption>Each of the users who walked together: resets per 100 m, "
+      "<div class=\"wide\"><table><caption>Each of the users who walked together: resets per 100 "
+      "m, "
       "mean over all rooms and 95 % interval</caption><thead><tr><th></th>";
   for (std::size_t u = 1; u <= users; ++u) page += fmt::format("<th>user {}</th>", u);
   page += "</tr></thead><tbody>\n";

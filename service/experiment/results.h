@@ -115,9 +115,10 @@ struct Row {
 };
 
 /// How well the ways of a walk were foreseen, by the definitions of `forewalk evaluate`: of the
-/// moments whose outcome is known (kWaySamples), the share whose way was in the graph (kWayInGraph);
-/// and where there was a choice (kWayJunctions), the mean negative log-likelihood of the way taken,
-/// the share in which it was the likeliest, and its mean rank. Nothing is measured without samples.
+/// moments whose outcome is known (kWaySamples), the share whose way was in the graph
+/// (kWayInGraph); and where there was a choice (kWayJunctions), the mean negative log-likelihood of
+/// the way taken, the share in which it was the likeliest, and its mean rank. Nothing is measured
+/// without samples.
 void setQuality(const PredictionQuality& quality, UserRow& user);
 
 /// Measures the walks of a run's users, simulated with `keepFrames`; `spaces` are their rooms. Over

@@ -14,7 +14,9 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-std::span<const std::byte> bytesOf(const std::string& text) { return std::as_bytes(std::span(text)); }
+std::span<const std::byte> bytesOf(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
 
 tl::expected<Walk, Error> walkOf(const std::string& path, const std::string& times) {
   return parseOpenRdwWalk(bytesOf(path), "p.csv", bytesOf(times), "t.csv");
@@ -74,7 +76,8 @@ TEST(OpenRdwWalk, IsTheSameWalkAsOneWithTimesAndWorldAxes) {
     }
     path += std::to_string(at.x) + ", " + std::to_string(at.y) + "\n";
     times += std::to_string(interval) + "\n";
-    csv += std::to_string(seconds) + "," + std::to_string(at.x) + "," + std::to_string(-at.y) + "\n";
+    csv +=
+        std::to_string(seconds) + "," + std::to_string(at.x) + "," + std::to_string(-at.y) + "\n";
   }
   const auto theirs = walkOf(path, times);
   ASSERT_TRUE(theirs) << theirs.error().message;
@@ -88,7 +91,8 @@ TEST(OpenRdwWalk, IsTheSameWalkAsOneWithTimesAndWorldAxes) {
 }
 
 TEST(OpenRdwWalk, RefusesTimesThatDoNotFit) {
-  EXPECT_THAT(refusal("0,0\n1,0\n", "1\n"), HasSubstr("t.csv: 1 intervals for the 2 points of p.csv"));
+  EXPECT_THAT(refusal("0,0\n1,0\n", "1\n"),
+              HasSubstr("t.csv: 1 intervals for the 2 points of p.csv"));
   EXPECT_THAT(refusal("0,0\n", "1\n"), HasSubstr("two or more points"));
   EXPECT_THAT(refusal("0,0\n1,0\n2,0\n", "1\n1\n0\n"), HasSubstr("t.csv:3: \"0\" is no interval"));
   EXPECT_THAT(refusal("0,0\n1,0\n2,0\n", "1\n1\nx\n"), HasSubstr("t.csv:3: \"x\" is no interval"));

@@ -84,8 +84,7 @@ TEST(Evaluate, PrefersWhatMadeTheChoicesAndFindsItCalibrated) {
 TEST(QualityOf, SaysOfAWalkWhatEvaluateSays) {
   const RecordedWalk walk = testing::recordedChoices("u", 400, 3, unfittedParameters());
   const PredictionQuality quality = qualityOf(walk, unfittedParameters());
-  const Evaluation evaluation =
-      evaluate({&walk, 1}, modelsFor(1, unfittedParameters()), 5.0f, 1);
+  const Evaluation evaluation = evaluate({&walk, 1}, modelsFor(1, unfittedParameters()), 5.0f, 1);
   const Scores& scores = reportOf(evaluation, Guess::kLikelihood).all;
   EXPECT_EQ(quality.settled, evaluation.samples - evaluation.unsettled);
   EXPECT_EQ(quality.contained, evaluation.contained);
