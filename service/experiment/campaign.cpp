@@ -464,7 +464,9 @@ tl::expected<Results, Error> mergeShards(std::span<const std::filesystem::path> 
     if (!std::filesystem::is_directory(folder / "traces")) continue;
     std::error_code problem;
     std::filesystem::copy(folder / "traces", out / "traces",
-                          std::filesystem::copy_options::overwrite_existing, problem);
+                          std::filesystem::copy_options::overwrite_existing |
+                              std::filesystem::copy_options::recursive,
+                          problem);
     if (problem) {
       return tl::unexpected(
           Error{ErrorCode::kFileUnwritable,

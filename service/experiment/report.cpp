@@ -59,7 +59,7 @@ const std::vector<Choice>& listOf(const Results& results, Axis axis) {
 }
 
 std::string meanCell(const Estimate& e, int digits) {
-  if (e.count == 0) return "<td>failed</td>";
+  if (e.count == 0) return "<td>-</td>";
   if (e.count < 2) return fmt::format("<td>{:.{}f}</td>", e.mean, digits);
   return fmt::format("<td>{:.{}f} <small>[{:.{}f}, {:.{}f}]</small></td>", e.mean, digits, e.low,
                      digits, e.high, digits);
@@ -105,10 +105,11 @@ void addTests(std::string& page, const Results& results, const Block& block, std
   for (std::size_t c = 0; c < controllers.size(); ++c) {
     if (c == baseline) continue;
     for (std::size_t r = 0; r < rooms.size(); ++r) {
-      lines.push_back({c, r,
-                       compareControllers(results, block.selection.with(Axis::kRoom, r), baseline,
-                                          c, Metric::kResetsPer100Metres)});
-      p.push_back(lines.back().comparison.signedRank);
+      const Comparison comparison = compareControllers(
+          results, block.selection.with(Axis::kRoom, r), baseline, c, Metric::kResetsPer100Metres);
+      if (comparison.difference.count == 0) continue;  // no walk that both did
+      lines.push_back({c, r, comparison});
+      p.push_back(comparison.signedRank);
     }
   }
   const std::vector<double> adjusted = holm(p);

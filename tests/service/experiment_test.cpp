@@ -82,6 +82,13 @@ TEST_F(ExperimentTest, JoinsShardsToWhatOneProcessGives) {
   const auto merged = mergeShards(shards, folder_ / "merged");
   ASSERT_TRUE(merged) << merged.error().message;
   expectSameResults("whole", "merged");
+  std::size_t traces = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "whole/traces")) {
+    const auto name = entry.path().filename();
+    EXPECT_EQ(text("whole/traces" / name), text("merged/traces" / name)) << name;
+    ++traces;
+  }
+  EXPECT_GT(traces, 8u);
 
   const auto missing = mergeShards(std::vector{shards[0], shards[2]}, folder_ / "no");
   ASSERT_FALSE(missing);
