@@ -250,7 +250,12 @@ tl::expected<void, Error> Experiment::writeTraces(
         results.size() > 1 ? fmt::format(", the {} of {}", user + 1, results.size()) : "",
         plan_.seedOf(run), result.summary.virtualMetres, result.summary.resets);
     const rdw::SimulationConfig& config = user == 0 ? loaded.config : loaded.others[user - 1];
-    auto written = writeFile(folder / (stem + ".csv"), rdw::traceCsv(result.frames)).and_then([&] {
+    // Times differ from one run to the next: timing.csv has them, the traces are the same bytes.
+    std::vector<rdw::FrameRecord> frames = result.frames;
+    for (rdw::FrameRecord& frame : frames) {
+      frame.predictMicroseconds = frame.steerMicroseconds = frame.frameMicroseconds = 0.0;
+    }
+    auto written = writeFile(folder / (stem + ".csv"), rdw::traceCsv(frames)).and_then([&] {
       return writeFile(folder / (stem + "-room.svg"),
                        physicalPlan(config.session.space, result.frames, title, subtitle));
     });
