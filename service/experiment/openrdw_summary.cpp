@@ -170,8 +170,9 @@ OpenRdwValues openRdwValues(std::span<const rdw::FrameRecord> frames) {
     real += frame.physicalPosition;
     seen += frame.virtualPosition;
     if (i == 0) continue;
-    if (!frame.reset) {
-      const rdw::FrameRecord& before = frames[i - 1];
+    const rdw::FrameRecord& before = frames[i - 1];
+    // The frame in which a reset ends is still turned by it.
+    if (!frame.reset && !before.reset) {
       const double step = glm::distance(frame.physicalPosition, before.physicalPosition);
       const double turn = std::abs(rdw::wrapAngle(frame.physicalHeading - before.physicalHeading));
       const auto gain = [](float value) { return static_cast<double>(value); };

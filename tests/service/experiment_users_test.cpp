@@ -393,6 +393,15 @@ TEST(OpenRdwValues, AreWhatTheGainsInjected) {
   EXPECT_TRUE(std::isnan(value(neutral, V::kRotationMost))) << "nobody turned";
   EXPECT_NEAR(value(neutral, V::kRealX), 5.0, 1e-9);
 
+  const auto reset = openRdwValues(straight(101, [](int i, rdw::FrameRecord& frame) {
+                                     // A reset turns, and is still at work in the frame it ends in.
+                                     frame.reset = i >= 40 && i < 60;
+                                     frame.gains.rotation = i >= 40 && i <= 60 ? 2.0f : 1.0f;
+                                     frame.physicalHeading = rdw::kPi / 200.0 * i;
+                                   }).frames);
+  EXPECT_EQ(value(reset, V::kInjectedByRotation), 0.0);
+  EXPECT_EQ(value(reset, V::kRotationMost), 1.0);
+
   const auto steered = openRdwValues(straight(101, [](int i, rdw::FrameRecord& frame) {
                                        frame.gains.translation = 1.25f;
                                        frame.gains.curvature = i <= 50 ? 0.1f : -0.1f;
