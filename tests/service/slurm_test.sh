@@ -22,7 +22,7 @@ for program in slurmctld slurmd sbatch scontrol squeue scancel; do
 done
 [ "$(id -u)" -eq 0 ] || skip "slurmctld and slurmd need root"
 
-work=$(mktemp -d /tmp/forewalk-slurm-XXXXXX)
+work=$(mktemp -d -t forewalk-slurm-XXXXXX)
 controller=
 node=
 finish() {
