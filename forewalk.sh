@@ -12,8 +12,9 @@ PACKAGES=(g++ cmake make
   libboost-dev libssl-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
 # clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
 # daemons; abidiff compares the C interface with the last release; Mono compiles and runs the Unity package; the
-# OpenXR layer is built, and walked under the loader and the validation layer. Only `test all` asks for them.
-PACKAGES_ALL=(clang nginx-light abigail-tools mono-mcs mono-runtime
+# OpenXR layer is built, and walked under the loader and the validation layer; Slurm walks an experiment. Only
+# `test all` asks for them.
+PACKAGES_ALL=(clang nginx-light abigail-tools mono-mcs mono-runtime slurm-wlm
   libopenxr-dev libopenxr-loader1 openxr-layer-corevalidation)
 # What the WebAssembly package is built and tested with: `wasm` and `test all`.
 PACKAGES_WASM=(emscripten nodejs node-typescript cmake make libglm-dev nlohmann-json3-dev libexpected-dev libfmt-dev)

@@ -22,7 +22,7 @@ enum class CourseKind : std::uint8_t {
 struct Course {
   CourseKind kind = CourseKind::kSawtooth;
   double size = 5.0;              ///< leg or radius, metres, [0.1, 1e4]
-  double turn = 2.0 * kPi / 3.0;  ///< of a sawtooth, radians, [0, pi]
+  double turn = 7.0 * kPi / 9.0;  ///< of a sawtooth, radians, [0, pi]; 140 degrees, as theirs
 };
 
 /// The corners of a course, for ever.

@@ -66,6 +66,10 @@ class Fields {
     return found == object_.end() ? nullptr : &*found;
   }
 
+  bool has(std::string_view name) const {
+    return object_.is_object() && object_.contains(std::string(name));
+  }
+
   /// Reads a number in [low, high], times `scale`, where the field is present.
   template <typename Real>
   void number(std::string_view name, double low, double high, Real& value, double scale = 1.0) {

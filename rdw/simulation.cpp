@@ -15,6 +15,7 @@ using navmesh::World;
 constexpr double kLongestWalk = 86400.0;         // seconds; whatever the stop conditions say
 constexpr double kTurning = 20.0 * kPi / 180.0;  // rad/s; slower is what curvature does by itself
 constexpr double kProgress = 1.0;                // virtual metres that show that nobody is stuck
+constexpr double kBodiesApart = 0.5;             // metres between the middles of two bodies
 
 bool isEndless(const User& user) {
   if (const auto* waypoints = std::get_if<Waypoints>(&user.plan)) return waypoints->loop;
@@ -89,7 +90,9 @@ class Account {
     summary.resets = frame.resetCount;
     hash_.add(record);
     if (record.reset) summary.resetSeconds += dt;
-    if (!record.reset && frame.motion.usable()) {
+    // The frame in which a reset ends is still turned by it.
+    const bool resetting = std::exchange(wasReset_, record.reset) || record.reset;
+    if (!resetting && frame.motion.usable()) {
       translation_.add(static_cast<double>(record.gains.translation), physicalStep);
       curvature_.add(std::abs(static_cast<double>(record.gains.curvature)), physicalStep);
       if (std::abs(frame.motion.turnRate) > kTurning) {
@@ -134,6 +137,7 @@ class Account {
   std::vector<double> graphTimes_;
   std::vector<double> frameTimes_;
   bool outside_ = false;
+  bool wasReset_ = false;
 };
 
 /// Tells a walker who is stuck from one who rests.
@@ -199,122 +203,238 @@ void describe(const FrameResult& frame, const TrackedSpace& space, FrameRecord& 
   record.borderDistance = space.signedDistance(frame.physical.position);
 }
 
-}  // namespace
+/// One user's walk between its first and its last frame.
+class WalkInProgress {
+ public:
+  /// `world` null: an open plane. Fails as simulate.
+  static tl::expected<std::unique_ptr<WalkInProgress>, Error> begin(
+      const std::shared_ptr<const World>& world, const SimulationConfig& config,
+      const SimulationRun& run, Company* company);
 
-tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> world,
-                                               const SimulationConfig& config,
-                                               const SimulationRun& run) {
-  if (world != nullptr && world->graph.polygonCount() == 0) world = nullptr;
+  bool over() const { return over_; }
+
+  /// The next frame, among `others` who are where they were in the last one.
+  void frame(std::span<const OtherUser> others);
+
+  /// The user as others in the room see them, after the last frame.
+  OtherUser body() const;
+
+  double done() const;
+  SimulationResult finish() &&;
+
+ private:
+  WalkInProgress(const SimulationConfig& config, const SimulationRun& run, Company* company,
+                 std::unique_ptr<Walker> walker, Session session);
+  void move(double dt, glm::dvec2& physicalStep, glm::dvec2& virtualStep);
+  void endWith(WalkEnd end) {
+    account_.summary.end = end;
+    over_ = true;
+  }
+
+  const SimulationConfig& config_;
+  const SimulationRun& run_;
+  Company* company_;
+  std::shared_ptr<const navmesh::PolygonStates> states_;
+  std::unique_ptr<Walker> walker_;
+  Session session_;
+  SimulationResult result_;
+  Account account_;
+  StuckWatch watch_;
+  std::uint64_t next_ = 0;  // frame
+  std::uint64_t lastFrame_;
+  bool over_ = false;
+};
+
+WalkInProgress::WalkInProgress(const SimulationConfig& config, const SimulationRun& run,
+                               Company* company, std::unique_ptr<Walker> walker, Session session)
+    : config_(config),
+      run_(run),
+      company_(company),
+      states_(config.session.states),
+      walker_(std::move(walker)),
+      session_(std::move(session)),
+      lastFrame_(static_cast<std::uint64_t>(
+          std::floor(std::min(config.stop.seconds, kLongestWalk) * config.rate + 1e-6))) {
+  Summary& summary = account_.summary;
+  summary.controller = config.session.controller;
+  summary.limits = config.session.limits;
+  summary.horizon = static_cast<double>(config.session.horizon);
+  summary.rate = config.rate;
+  summary.seed = config.seed;
+  summary.spaceArea = config.session.space.area();
+  summary.timed = static_cast<bool>(run.microseconds);
+  summary.end = WalkEnd::kSeconds;
+}
+
+tl::expected<std::unique_ptr<WalkInProgress>, Error> WalkInProgress::begin(
+    const std::shared_ptr<const World>& world, const SimulationConfig& config,
+    const SimulationRun& run, Company* company) {
   if (const std::optional<Error> problem = firstProblem(world.get(), config)) {
     return tl::unexpected(*problem);
   }
-  tl::expected<std::unique_ptr<Walker>, Error> made =
+  tl::expected<std::unique_ptr<Walker>, Error> walker =
       makeWalker(world, config.user, config.start, config.session.snap,
                  config.session.space.centre(), config.rate, config.seed);
-  if (!made) return tl::unexpected(made.error());
-  Walker& walker = **made;
+  if (!walker) return tl::unexpected(walker.error());
+  const VirtualStart start = (*walker)->start();
 
   SessionSettings settings = config.session;
-  settings.start = walker.start();
+  settings.start = start;
   std::shared_ptr<const World> floor = world;
   if (world == nullptr) {
-    floor = openPlane(walker.start().floor);
+    floor = openPlane(start.floor);
     settings.alwaysPredict = false;
     settings.openPlane = true;  // there are no ways to tell apart
   }
   tl::expected<Session, Error> session = Session::make(std::move(floor), std::move(settings));
   if (!session) return tl::unexpected(session.error());
-  const TrackedSpace& space = config.session.space;
 
-  Company* const company = run.company;
-  std::shared_ptr<const navmesh::PolygonStates> states = config.session.states;
   if (company != nullptr) {
-    const VirtualStart& at = walker.start();
-    CompanyUser user{{glm::dvec2(navmesh::toPlan(at.floor)), static_cast<double>(at.heading)},
-                     at.floor.y,
-                     walker.target(),
+    CompanyUser user{{glm::dvec2(navmesh::toPlan(start.floor)), static_cast<double>(start.heading)},
+                     start.floor.y,
+                     (*walker)->target(),
                      config.user.walker.speed};
     if (auto begun = company->begin(user); !begun) return tl::unexpected(begun.error());
   }
-
-  SimulationResult result;
-  Account account;
-  account.summary.controller = config.session.controller;
-  account.summary.limits = config.session.limits;
-  account.summary.horizon = static_cast<double>(config.session.horizon);
-  account.summary.rate = config.rate;
-  account.summary.seed = config.seed;
-  account.summary.spaceArea = space.area();
-  account.summary.timed = static_cast<bool>(run.microseconds);
+  std::unique_ptr<WalkInProgress> walk(
+      new WalkInProgress(config, run, company, std::move(*walker), std::move(*session)));
+  walk->result_.startHeight = start.floor.y;
   if (world != nullptr) {
     for (std::uint32_t i = 0; i < world->graph.polygonCount(); ++i) {
-      account.summary.virtualArea +=
+      walk->account_.summary.virtualArea +=
           static_cast<double>(navmesh::areaOf(world->graph, navmesh::PolygonId{i}));
     }
   }
+  return walk;
+}
 
-  const double dt = 1.0 / config.rate;
-  const double seconds = std::min(config.stop.seconds, kLongestWalk);
-  const auto lastFrame = static_cast<std::uint64_t>(std::floor(seconds * config.rate + 1e-6));
-  const auto framesPerReport = static_cast<std::uint64_t>(config.rate);
-  StuckWatch watch;
-  account.summary.end = WalkEnd::kSeconds;
-  for (std::uint64_t k = 0; k <= lastFrame; ++k) {
-    glm::dvec2 physicalStep{0.0};
-    glm::dvec2 virtualStep{0.0};
-    if (company != nullptr && follow(company->states(), *session, states) &&
-        company->userAvoids()) {
-      walker.avoidBlocked(states);
-    }
-    if (k > 0) {
-      if (company != nullptr && company->userAvoids()) walker.makeWay(company->makeWay());
-      const glm::dvec2 before = walker.body().position;
-      walker.advance(dt, session->result(), session->redirection());
-      physicalStep = walker.body().position - before;
-      virtualStep = session->redirection().directionToVirtual(physicalStep);
-    }
-    FrameRecord record;
-    record.t = static_cast<double>(k) / config.rate;
-    const FrameResult& frame =
-        runFrame(*session, walker.head(), record.t, run.microseconds, record);
-    virtualStep += frame.injectedTranslation;
-    describe(frame, space, record);
-    if (company != nullptr) {
-      const double translation = static_cast<double>(frame.gains.translation);
-      company->follow(k, {frame.virtualPlan, frame.location.height, walker.target(),
-                          config.user.walker.speed * translation});
-      record.company = company->record();
-    }
-    account.add(record, frame, glm::length(virtualStep), glm::length(physicalStep),
-                k > 0 ? dt : 0.0);
-    if (run.microseconds) account.addTimes(record, frame.graph != nullptr);
-    if (config.keepFrames) result.frames.push_back(record);
+void WalkInProgress::move(double dt, glm::dvec2& physicalStep, glm::dvec2& virtualStep) {
+  if (company_ != nullptr && company_->userAvoids()) walker_->makeWay(company_->makeWay());
+  const glm::dvec2 before = walker_->body().position;
+  walker_->advance(dt, session_.result(), session_.redirection());
+  physicalStep = walker_->body().position - before;
+  virtualStep = session_.redirection().directionToVirtual(physicalStep);
+}
 
-    const double metres = account.summary.virtualMetres;
-    if (run.progress && k % framesPerReport == 0) {
-      run.progress(std::min(1.0, std::max({metres / config.stop.virtualMetres,
-                                           record.t / config.stop.seconds, walker.progress()})));
-    }
-    if (run.interrupted && k % framesPerReport == 0 && run.interrupted()) {
-      account.summary.end = WalkEnd::kInterrupted;
-      break;
-    }
-    if (metres >= config.stop.virtualMetres) {
-      account.summary.end = WalkEnd::kMetres;
-      break;
-    }
-    if (walker.finished()) {
-      account.summary.end = WalkEnd::kFinished;
-      break;
-    }
-    if (watch.stuck(metres, dt, walker.standing())) {
-      account.summary.end = WalkEnd::kStuck;
-      break;
-    }
+void WalkInProgress::frame(std::span<const OtherUser> others) {
+  const std::uint64_t k = next_++;
+  const double dt = 1.0 / config_.rate;
+  glm::dvec2 physicalStep{0.0};
+  glm::dvec2 virtualStep{0.0};
+  if (company_ != nullptr && follow(company_->states(), session_, states_) &&
+      company_->userAvoids()) {
+    walker_->avoidBlocked(states_);
   }
-  if (company != nullptr) account.summary.company = company->summary();
-  result.summary = account.finish();
-  return result;
+  if (k > 0) move(dt, physicalStep, virtualStep);
+  FrameRecord record;
+  record.t = static_cast<double>(k) / config_.rate;
+  session_.setOthers(others);
+  const FrameResult& frame =
+      runFrame(session_, walker_->head(), record.t, run_.microseconds, record);
+  virtualStep += frame.injectedTranslation;
+  describe(frame, config_.session.space, record);
+  if (company_ != nullptr) {
+    const double translation = static_cast<double>(frame.gains.translation);
+    company_->follow(k, {frame.virtualPlan, frame.location.height, walker_->target(),
+                         config_.user.walker.speed * translation});
+    record.company = company_->record();
+  }
+  account_.add(record, frame, glm::length(virtualStep), glm::length(physicalStep),
+               k > 0 ? dt : 0.0);
+  if (run_.microseconds) account_.addTimes(record, frame.graph != nullptr);
+  if (config_.keepFrames) result_.frames.push_back(record);
+
+  const double metres = account_.summary.virtualMetres;
+  if (metres >= config_.stop.virtualMetres) return endWith(WalkEnd::kMetres);
+  if (walker_->finished()) return endWith(WalkEnd::kFinished);
+  if (watch_.stuck(metres, dt, walker_->standing())) return endWith(WalkEnd::kStuck);
+  if (k == lastFrame_) over_ = true;
+}
+
+OtherUser WalkInProgress::body() const {
+  const FrameResult& frame = session_.result();
+  return {frame.physical.position, frame.motion.speed * frame.motion.walkingDirection,
+          directionOf(frame.physical.heading), kBodiesApart};
+}
+
+double WalkInProgress::done() const {
+  const Summary& summary = account_.summary;
+  return std::min(1.0, std::max({summary.virtualMetres / config_.stop.virtualMetres,
+                                 summary.seconds / config_.stop.seconds, walker_->progress()}));
+}
+
+SimulationResult WalkInProgress::finish() && {
+  if (!over_) account_.summary.end = WalkEnd::kInterrupted;
+  if (company_ != nullptr) account_.summary.company = company_->summary();
+  result_.summary = account_.finish();
+  return std::move(result_);
+}
+
+}  // namespace
+
+tl::expected<std::vector<SimulationResult>, Error> simulateTogether(
+    std::shared_ptr<const World> world, std::span<const SimulationConfig> users, Sharing sharing,
+    const SimulationRun& run, std::span<Company* const> companies) {
+  assert(companies.empty() || companies.size() == users.size());
+  if (world != nullptr && world->graph.polygonCount() == 0) world = nullptr;
+  if (users.empty() || users.size() > kMostOthers + 1) {
+    return tl::unexpected(
+        Error{ErrorCode::kSettingOutOfRange,
+              fmt::format("users: {} walk together, 1 to {} can.", users.size(), kMostOthers + 1)});
+  }
+  std::vector<std::unique_ptr<WalkInProgress>> walks;
+  for (std::size_t i = 0; i < users.size(); ++i) {
+    if (users[i].rate != users.front().rate) {
+      return tl::unexpected(
+          Error{ErrorCode::kSettingOutOfRange,
+                fmt::format("rate: {:.6g} and {:.6g} frames a second; users who walk together have "
+                            "one.",
+                            users.front().rate, users[i].rate)});
+    }
+    auto begun =
+        WalkInProgress::begin(world, users[i], run, companies.empty() ? nullptr : companies[i]);
+    if (!begun) return tl::unexpected(begun.error());
+    walks.push_back(std::move(*begun));
+  }
+
+  // All see where the others were in the last frame, so that it does not matter who is asked first.
+  SharedSpace room(users.size());
+  const bool meet = sharing == Sharing::kRoom && users.size() > 1;
+  const auto framesPerReport = static_cast<std::uint64_t>(users.front().rate);
+  bool somebodyWalks = true;
+  for (std::uint64_t k = 0; somebodyWalks; ++k) {
+    somebodyWalks = false;
+    double done = 1.0;
+    for (std::size_t i = 0; i < walks.size(); ++i) {
+      if (walks[i]->over()) continue;
+      walks[i]->frame(meet ? room.othersOf(i) : std::span<const OtherUser>{});
+      if (walks[i]->over()) continue;
+      somebodyWalks = true;
+      if (k % framesPerReport == 0) done = std::min(done, walks[i]->done());
+    }
+    for (std::size_t i = 0; meet && i < walks.size(); ++i) {
+      if (walks[i]->over()) {
+        room.leave(i);
+      } else {
+        room.place(i, walks[i]->body());
+      }
+    }
+    if (k % framesPerReport != 0) continue;
+    if (run.progress) run.progress(done);
+    if (run.interrupted && run.interrupted()) break;
+  }
+  std::vector<SimulationResult> results;
+  for (auto& walk : walks) results.push_back(std::move(*walk).finish());
+  return results;
+}
+
+tl::expected<SimulationResult, Error> simulate(std::shared_ptr<const World> world,
+                                               const SimulationConfig& config,
+                                               const SimulationRun& run) {
+  Company* const company[] = {run.company};
+  auto results = simulateTogether(std::move(world), {&config, 1}, Sharing::kWorld, run, company);
+  if (!results) return tl::unexpected(results.error());
+  return std::move(results->front());
 }
 
 }  // namespace forewalk::rdw

@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 #include <tl/expected.hpp>
 #include <vector>
 
@@ -44,6 +45,7 @@ struct SimulationConfig {
 
 struct SimulationResult {
   std::vector<FrameRecord> frames;  ///< empty unless keepFrames
+  float startHeight = 0.0f;         ///< of the virtual floor at the start, world y, metres
   Summary summary;
 };
 
@@ -70,5 +72,35 @@ struct SimulationRun {
 [[nodiscard]] tl::expected<SimulationResult, Error> simulate(
     std::shared_ptr<const navmesh::World> world, const SimulationConfig& config,
     const SimulationRun& run = {});
+
+/// What users have in common who walk at the same time.
+enum class Sharing : std::uint8_t {
+  kRoom,   ///< one tracked space: controllers and resets see the others' bodies (other_user.h)
+  kWorld,  ///< a virtual world, each in a room of their own
+};
+
+/// Several users at once, frame by frame: everybody sees the others where they were in the frame
+/// before, so that the order of `users` makes no difference (but for rounding, from three on).
+/// Whoever is done leaves the room. In `world`, users meet by way of `companies`, one per user, or
+/// empty: they walk through each other. A result per user, in their order; `run.company` is not
+/// used.
+///
+/// Fails as simulate, where there are none or more than kMostOthers + 1 users, or their rates
+/// differ. Costs a frame of every session a frame.
+[[nodiscard]] tl::expected<std::vector<SimulationResult>, Error> simulateTogether(
+    std::shared_ptr<const navmesh::World> world, std::span<const SimulationConfig> users,
+    Sharing sharing, const SimulationRun& run = {}, std::span<Company* const> companies = {});
+
+/// Places for `users` in one room, as far from each other and from the walls as a grid of steps
+/// finds, each looking at the room's centre; one user: the centre, facing -Z. O(users * corners),
+/// some milliseconds.
+///
+/// Fails (kSettingOutOfRange) where two would stand nearer than a metre, or one nearer than a
+/// quarter to a wall.
+[[nodiscard]] tl::expected<std::vector<PlanarPose>, Error> placesInRoom(const TrackedSpace& space,
+                                                                        std::size_t users);
+
+/// The seed of the i-th user of a walk; the first has the walk's own.
+std::uint64_t seedOfUser(std::uint64_t seed, std::size_t user);
 
 }  // namespace forewalk::rdw

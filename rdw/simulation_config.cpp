@@ -23,22 +23,22 @@ using Json = nlohmann::json;
 constexpr std::string_view kFormat = "forewalk.simulation/1";
 constexpr std::size_t kMostWaypoints = 100000;
 
-void readSpace(Fields& file, SimulationFile& into) {
+void readSpace(Fields& file, std::string& fileName, TrackedSpace& space) {
   const Json* field = file.find("space");
   if (field == nullptr) return;
   if (field->is_string()) {
-    into.space = field->get<std::string>();
+    fileName = field->get<std::string>();
     return;
   }
   if (!field->is_object()) return file.wrongKind("space", "the name of a file, or an object {...}");
-  Fields fields(*field, "space.", file.problem());
+  Fields fields(*field, file.path() + "space.", file.problem());
   for (const std::string_view name :
        {"format", "rectangle", "circle", "polygon", "holes", "shape", "area_m2"})
     fields.find(name);
   fields.finish();
   const tl::expected<TrackedSpace, Error> made = spaceFromJson(*field);
   if (made) {
-    into.simulation.session.space = *made;
+    space = *made;
   } else {
     file.problem().pass(made.error());
   }
@@ -102,12 +102,16 @@ void readStop(Fields& file, StopConditions& stop) {
   fields.finish();
 }
 
-void readWaypoints(Fields& fields, Waypoints& waypoints) {
+void readWaypoints(Fields& fields, UserFile& into) {
+  Waypoints& waypoints = into.user.plan.emplace<Waypoints>();
   const Json* points = fields.find("waypoints");
-  if (points == nullptr || !points->is_array() || points->empty() ||
-      points->size() > kMostWaypoints) {
+  if (points != nullptr && points->is_string()) {
+    into.waypoints = points->get<std::string>();
+  } else if (points == nullptr || !points->is_array() || points->empty() ||
+             points->size() > kMostWaypoints) {
     fields.wrongKind("waypoints",
-                     fmt::format("a list of 1 to {} positions [x, y, z]", kMostWaypoints));
+                     fmt::format("a list of 1 to {} positions [x, y, z], or the name of a file",
+                                 kMostWaypoints));
   } else {
     std::vector<double> xyz;
     for (std::size_t i = 0; i < points->size(); ++i) {
@@ -137,22 +141,16 @@ void readCourse(Fields& fields, CourseKind kind, Course& course) {
   if (kind == CourseKind::kSawtooth) fields.number("turn_deg", 0.0, 180.0, course.turn, kDegree);
 }
 
-void readUser(Fields& file, SimulationFile& into) {
-  User& user = into.simulation.user;
-  const Json* object = file.find("user");
-  if (object == nullptr) {
-    return file.problem().say(
-        ErrorCode::kDataDamaged,
-        "user is missing: say who walks, for example {\"kind\": \"wander\"}.");
-  }
-  Fields fields(*object, "user.", file.problem());
+/// One of the users who walk, or so many of a kind.
+void readUser(Fields& fields, UserFile& into) {
+  User& user = into.user;
   static constexpr std::string_view kKinds[] = {"waypoints", "wander", "legs",         "recorded",
                                                 "sawtooth",  "circle", "figure-eight", "corridors"};
   std::size_t kind = std::size(kKinds);
   fields.word("kind", kKinds, kind);
   switch (kind) {
     case 0:
-      readWaypoints(fields, user.plan.emplace<Waypoints>());
+      readWaypoints(fields, into);
       break;
     case 1:
       fields.number("goal_distance_min_m", 0.0, 1e4, user.plan.emplace<Wander>().goalDistanceMin);
@@ -164,6 +162,10 @@ void readUser(Fields& file, SimulationFile& into) {
       user.plan.emplace<Recorded>();
       fields.text("walks", into.walks);
       fields.text("walker", into.walker);
+      fields.text("intervals", into.intervals);
+      if (!into.intervals.empty() && !into.walker.empty()) {
+        fields.wrongKind("walker", "left out: a recording of OpenRDW's holds one walker");
+      }
       if (into.walks.empty()) fields.wrongKind("walks", "the name of a file with recorded walks");
       break;
     case 4:
@@ -175,6 +177,7 @@ void readUser(Fields& file, SimulationFile& into) {
     default:
       fields.wrongKind("kind", fmt::format("one of {}", fmt::join(kKinds, ", ")));
   }
+  fields.integer("count", 1, kMostOthers + 1, into.count);
   WalkerSettings& w = user.walker;
   fields.number("speed_m_per_s", 0.01, 5.0, w.speed);
   fields.number("turn_rate_deg_per_s", 1.0, 720.0, w.turnRate, kDegree);
@@ -190,7 +193,54 @@ void readUser(Fields& file, SimulationFile& into) {
   fields.number("sway_m", 0.0, 0.2, w.sway);
   fields.number("eye_height_m", 0.2, 3.0, w.eyeHeight);
   fields.number("corner_margin_m", 0.0, 2.0, w.cornerMargin);
+}
+
+void readUsers(Fields& file, SimulationFile& into) {
+  const Json* object = file.find("user");
+  if (object == nullptr) {
+    return file.problem().say(
+        ErrorCode::kDataDamaged,
+        "user is missing: say who walks, for example {\"kind\": \"wander\"}.");
+  }
+  Fields fields(*object, "user.", file.problem());
+  static constexpr std::string_view kShared[] = {"room", "world"};
+  auto shared = static_cast<std::size_t>(into.sharing);
+  fields.word("share", kShared, shared);
+  into.sharing = static_cast<Sharing>(shared);
+  const Json* together = fields.find("together");
+  if (together == nullptr) {
+    UserFile& user = into.users.emplace_back();
+    readUser(fields, user);
+    user.space = into.space;
+    user.room = into.simulation.session.space;
+  } else if (!together->is_array() || together->empty()) {
+    fields.wrongKind("together", "a list [...] of users {...}");
+  } else {
+    for (std::size_t i = 0; i < together->size(); ++i) {
+      Fields one((*together)[i], fmt::format("user.together[{}].", i), file.problem());
+      UserFile& user = into.users.emplace_back();
+      readUser(one, user);
+      user.space = into.space;
+      user.room = into.simulation.session.space;
+      if (one.has("space")) {
+        if (into.sharing == Sharing::kRoom) {
+          one.wrongKind("space", "left out: who shares a room has no other one");
+        }
+        user.space.clear();
+        readSpace(one, user.space, user.room);
+      }
+      one.finish();
+    }
+  }
   fields.finish();
+  std::size_t count = 0;
+  for (const UserFile& user : into.users) count += user.count;
+  if (count > kMostOthers + 1) {
+    file.problem().say(
+        ErrorCode::kSettingOutOfRange,
+        fmt::format("user: {} walk together, {} are the most.", count, kMostOthers + 1));
+  }
+  if (!into.users.empty()) into.simulation.user = into.users.front().user;
 }
 
 void readStart(Fields& file, WalkStart& start) {
@@ -232,7 +282,7 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   fields.text("scene", file.scene);
   readImport(fields, file.import);
   readBuild(fields, file.build);
-  readSpace(fields, file);
+  readSpace(fields, file.space, session.space);
   readLimits(fields, session.limits);
   const std::vector<std::string_view> controllers(controllerNames().begin(),
                                                   controllerNames().end());
@@ -257,9 +307,18 @@ tl::expected<SimulationFile, Error> parseSimulation(std::span<const std::byte> b
   fields.boolean("resets", session.resets);
   readReset(fields, session);
   readStop(fields, simulation.stop);
-  readUser(fields, file);
+  readUsers(fields, file);
   readStart(fields, simulation.start);
   if (const Json* agents = fields.find("agents")) file.agents = agents->dump();
+  const bool several = file.users.size() > 1 || (!file.users.empty() && file.users[0].count > 1);
+  if (several && !file.agents.empty()) {
+    problem.say(ErrorCode::kSettingOutOfRange,
+                "agents: are for one user; leave them out where several walk.");
+  }
+  if (several && simulation.start.physical && file.sharing == Sharing::kRoom) {
+    problem.say(ErrorCode::kSettingOutOfRange,
+                "physical_start: is for one user; several who share a room begin apart.");
+  }
   fields.finish();
   if (problem.error()) return tl::unexpected(*problem.error());
   return file;

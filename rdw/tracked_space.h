@@ -54,7 +54,8 @@ class TrackedSpace {
 
   /// Reads OpenRDW's tracking space text: a line `x,y` a corner, a blank line starts an obstacle.
   /// Its y points away from the user in a space seen from above, so the pairs are plan coordinates:
-  /// world z = -y. Fails as above, naming the line.
+  /// world z = -y. OpenRDW 2's form, which begins with a number of users and describes a virtual
+  /// space first, is read as well: its first room. Fails as above, naming the line.
   static tl::expected<TrackedSpace, Error> fromOpenRdw(std::string_view text);
 
   /// fromJson where the first visible character is `{`, fromOpenRdw otherwise.

@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <locale>
-#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "navmesh/file_text.h"
 #include "rdw/json_text.h"
+#include "rdw/openrdw_text.h"
 #include "rdw/room_shapes.h"
 
 namespace forewalk::rdw {
@@ -88,16 +88,23 @@ tl::expected<TrackedSpace, Error> polygonFromJson(const Json& border, const Json
 
 // ---- OpenRDW's text
 
-bool blank(std::string_view line) {
-  return line.find_first_not_of(" \t\r\v\f") == std::string_view::npos;
+/// A room of OpenRDW 2: what stands between two of its separators.
+bool isSeparator(std::string_view line, std::size_t length) {
+  const std::size_t first = line.find_first_not_of(" \t\r\v\f");
+  if (first == std::string_view::npos) return false;
+  const std::size_t last = line.find_last_not_of(" \t\r\v\f");
+  return last - first + 1 == length && line.find(',') == std::string_view::npos;
 }
 
-bool readCorner(std::string_view line, glm::dvec2& corner) {
-  std::istringstream words{std::string(line)};
-  words.imbue(std::locale::classic());
-  char comma = 0;
-  char rest = 0;
-  return words >> corner.x >> comma >> corner.y && comma == ',' && !(words >> rest);
+/// The lines of the first physical room of OpenRDW 2's text, which begins with a number of users:
+/// the virtual space and its obstacles, a line of two characters, the room and its obstacles, a
+/// line of one, the users. Moves `lines` to the room; false where there is none.
+bool skipToRoom(Lines& lines) {
+  std::string_view line;
+  while (lines.next(line)) {
+    if (isSeparator(line, 2)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -118,8 +125,8 @@ tl::expected<TrackedSpace, Error> spaceFromJson(const Json& json) {
   const Json* holes = find("holes");
   const Json* shape = find("shape");
   const Json* area = find("area_m2");
-  const int shapes = (rectangle != nullptr) + (circle != nullptr) + (polygon != nullptr) +
-                     (shape != nullptr);
+  const int shapes =
+      (rectangle != nullptr) + (circle != nullptr) + (polygon != nullptr) + (shape != nullptr);
   if (shapes != 1) {
     return refused(
         ErrorCode::kDataDamaged,
@@ -166,13 +173,24 @@ tl::expected<TrackedSpace, Error> TrackedSpace::fromOpenRdw(std::string_view tex
   std::size_t corners = 0;
   Lines lines(withoutByteOrderMark(text));
   std::string_view line;
+  bool isFirst = true, isSecondForm = false;
   while (lines.next(line)) {
-    if (blank(line)) {
+    if (isBlank(line)) {
       if (!rings.back().empty()) rings.emplace_back();
       continue;
     }
-    glm::dvec2 corner;
-    if (!readCorner(line, corner)) {
+    if (std::exchange(isFirst, false) && readNumber(line)) {
+      isSecondForm = true;
+      if (!skipToRoom(lines)) {
+        return refused(ErrorCode::kDataDamaged,
+                       "begins with a number of users, as OpenRDW 2's do, but no line of two "
+                       "characters, such as //, begins a room after it.");
+      }
+      continue;
+    }
+    if (isSecondForm && (isSeparator(line, 1) || isSeparator(line, 2))) break;
+    const auto corner = readPoint(line);
+    if (!corner) {
       return refusedAt(lines.number(), ErrorCode::kDataDamaged,
                        fmt::format("{} is not a corner, write x,y in metres.", inQuotes(line)));
     }
@@ -180,7 +198,7 @@ tl::expected<TrackedSpace, Error> TrackedSpace::fromOpenRdw(std::string_view tex
       return refusedAt(lines.number(), ErrorCode::kTooLarge,
                        fmt::format("more than {} corners. Simplify its border.", kMostCorners));
     }
-    rings.back().push_back(corner);
+    rings.back().push_back(*corner);
   }
   if (rings.back().empty()) rings.pop_back();
   if (rings.empty()) {

@@ -14,12 +14,11 @@
 #include <string_view>
 
 #include "navmesh/file_text.h"
+#include "rdw/walk_limits.h"
 
 namespace forewalk::rdw {
 namespace {
 
-constexpr double kFarthest = 1e5;          // metres; beyond, single precision loses the centimetre
-constexpr double kLongest = 86400.0;       // seconds; a day, whatever the clock started from
 constexpr double kJump = 0.5;              // metres; shorter steps are jitter, however quick
 constexpr double kFastest = 12.0;          // m/s; nobody runs faster
 constexpr double kHeadingWindow = 0.25;    // seconds to either side
@@ -101,6 +100,14 @@ double turnBetween(double from, double to) {  // the shorter way, in [-pi, pi]
 
 }  // namespace
 
+std::optional<std::string> tooFast(const WalkSample& before, const WalkSample& sample) {
+  const double moved = glm::distance(sample.plan, before.plan);
+  const double elapsed = sample.seconds - before.seconds;
+  if (!(moved > kJump && moved > kFastest * elapsed)) return std::nullopt;
+  return fmt::format("moves {:.3g} m in {:.3g} s, faster than {} m/s; cut the recording there.",
+                     moved, elapsed, kFastest);
+}
+
 tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> bytes,
                                                   const std::string& name, WalkTimes times) {
   Lines lines(withoutByteOrderMark({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
@@ -142,9 +149,10 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
         return damaged(fmt::format("{}:{}: {} is {}, not a finite number.", name, lines.number(),
                                    kColumnNames[column], inQuotes(field)));
       }
-      if (column != kT && std::abs(*value) > kFarthest) {
+      if (column != kT && std::abs(*value) > kFarthestSample) {
         return damaged(fmt::format("{}:{}: {} is {} m, farther out than {} m; are these metres?",
-                                   name, lines.number(), kColumnNames[column], *value, kFarthest));
+                                   name, lines.number(), kColumnNames[column], *value,
+                                   kFarthestSample));
       }
       values[column] = *value;
     }
@@ -170,21 +178,17 @@ tl::expected<std::vector<Walk>, Error> parseWalks(std::span<const std::byte> byt
                         name, lines.number(), sample.seconds, before.seconds,
                         lastLine[found->second], inQuotes(walker)));
       }
-      if (sample.seconds - walk.samples.front().seconds > kLongest) {
-        return damaged(
-            fmt::format("{}:{}: t is {} s, {:.6g} s after walker {} began; a walk is {} s long at "
-                        "most: are these "
-                        "seconds?",
-                        name, lines.number(), sample.seconds,
-                        sample.seconds - walk.samples.front().seconds, inQuotes(walker), kLongest));
+      if (sample.seconds - walk.samples.front().seconds > kLongestWalk) {
+        return damaged(fmt::format(
+            "{}:{}: t is {} s, {:.6g} s after walker {} began; a walk is {} s long at "
+            "most: are these "
+            "seconds?",
+            name, lines.number(), sample.seconds, sample.seconds - walk.samples.front().seconds,
+            inQuotes(walker), kLongestWalk));
       }
-      const double moved = glm::distance(sample.plan, before.plan);
-      const double elapsed = sample.seconds - before.seconds;
-      if (moved > kJump && moved > kFastest * elapsed) {
+      if (const auto problem = tooFast(before, sample)) {
         return damaged(
-            fmt::format("{}:{}: walker {} moves {:.3g} m in {:.3g} s, faster than {} m/s; cut the "
-                        "recording there.",
-                        name, lines.number(), inQuotes(walker), moved, elapsed, kFastest));
+            fmt::format("{}:{}: walker {} {}", name, lines.number(), inQuotes(walker), *problem));
       }
     }
     walk.samples.push_back(sample);

@@ -269,6 +269,35 @@ double fitCosine(std::span<const RecordedWalk* const> walks) {
   return cases.empty() ? 1.0 : std::exp(minimise(nll, {0.0}, 0.5, 60).at[0]);
 }
 
+PredictionQuality qualityOf(const RecordedWalk& walk, const LikelihoodParameters& parameters) {
+  std::vector<Case> cases;
+  addCases(walk, 0, parameters, cases);
+  PredictionQuality quality;
+  for (const Case& one : cases) {
+    quality.settled += one.settled;
+    quality.contained += one.contained;
+    if (!one.junction) continue;
+    ++quality.junctions;
+    const std::vector<double> p = probabilitiesOf(one, Guess::kLikelihood, 0.0);
+    const Score score = scoreOf(one, p);
+    quality.nll += score.nll;
+    quality.first += score.top1;
+    double before = 0.0, same = 0.0;
+    for (const double other : p) {
+      before += other > p[one.sample->taken];
+      same += other == p[one.sample->taken];
+    }
+    quality.rank += before + 0.5 * (same + 1.0);
+  }
+  if (quality.junctions > 0) {
+    const auto count = static_cast<double>(quality.junctions);
+    quality.nll /= count;
+    quality.first /= count;
+    quality.rank /= count;
+  }
+  return quality;
+}
+
 Evaluation evaluate(std::span<const RecordedWalk> walks, const EvaluationModels& models,
                     float horizon, std::uint64_t seed) {
   Evaluation evaluation;

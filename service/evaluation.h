@@ -90,6 +90,20 @@ double fitCosine(std::span<const RecordedWalk* const> walks);
 Evaluation evaluate(std::span<const RecordedWalk> walks, const EvaluationModels& models,
                     float horizon, std::uint64_t seed);
 
+/// How well the ways of one walk were foreseen, in few numbers; means are 0 without junctions.
+struct PredictionQuality {
+  std::size_t settled = 0;    ///< samples whose outcome is known
+  std::size_t contained = 0;  ///< of these, whose way was in the graph
+  std::size_t junctions = 0;  ///< of these, with two ways that could be taken
+  double nll = 0.0;           ///< mean of the way taken at junctions, nats
+  double first = 0.0;         ///< share in which it was the likeliest, ties by their share
+  double rank = 0.0;          ///< its mean rank by likelihood, from 1, ties in the middle
+};
+
+/// By the likelihood (Guess::kLikelihood) and the definitions above. O(frames * ways).
+PredictionQuality qualityOf(const RecordedWalk& walk,
+                            const prediction::LikelihoodParameters& parameters);
+
 /// For the console.
 std::string toTable(const Evaluation& evaluation);
 /// One row per guess and walker (and "all"), with a header.

@@ -117,6 +117,20 @@ tl::expected<void, Error> checkWritable(const std::filesystem::path& file) {
   return {};
 }
 
+tl::expected<void, Error> checkSpace(const std::filesystem::path& folder, std::uintmax_t bytes) {
+  std::error_code problem;
+  const std::filesystem::space_info space = std::filesystem::space(folder, problem);
+  // A file system that does not say is taken to have room: writing will tell.
+  if (problem || space.available >= bytes) return {};
+  constexpr double kMegabyte = 1e6;
+  return tl::unexpected(
+      Error{ErrorCode::kFileUnwritable,
+            fmt::format("{}: the disk has {:.1f} MB left, {:.1f} MB are needed; make room, or give "
+                        "another folder.",
+                        folder.string(), static_cast<double>(space.available) / kMegabyte,
+                        static_cast<double>(bytes) / kMegabyte)});
+}
+
 bool isBuiltNavMesh(const std::filesystem::path& file) {
   const std::string ending = endingOf(file);
   return ending == ".fwmesh" || ending == ".bin";

@@ -35,6 +35,11 @@ std::uint64_t contentHash(std::string_view bytes);
 /// writeFile.
 [[nodiscard]] tl::expected<void, Error> checkWritable(const std::filesystem::path& file);
 
+/// Finds out before long work whether a folder that exists has room for so many bytes. Fails
+/// (kFileUnwritable) where it has not, saying how much there is.
+[[nodiscard]] tl::expected<void, Error> checkSpace(const std::filesystem::path& folder,
+                                                   std::uintmax_t bytes);
+
 /// Whether the file's ending names a navmesh that is built already: .fwmesh, or RecastDemo's .bin.
 bool isBuiltNavMesh(const std::filesystem::path& file);
 

@@ -162,7 +162,8 @@ RecordedWalk record(const navmesh::World& world, const rdw::Walk& walk, const Me
   places.reserve(walked.size());
   std::optional<navmesh::Location> last;
   for (const rdw::WalkFrame& frame : walked) {
-    const glm::vec3 position = navmesh::toSpace(glm::vec2(frame.plan), 0.0f);
+    const glm::vec3 position =
+        navmesh::toSpace(glm::vec2(frame.plan), last ? last->height : settings.height);
     places.push_back(last
                          ? navmesh::locateFrom(world.graph, world.locations, *last, position, kSnap)
                          : navmesh::locate(world.graph, world.locations, position, kSnap));

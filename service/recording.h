@@ -31,6 +31,7 @@ struct RecordingSettings {
   double sampleEvery = 0.5;  ///< seconds between samples, > 0
   double spacing = 0.0;  ///< metres between the places of samples, at least: somebody who stands
                          ///< and looks about is asked but once
+  float height = 0.0f;   ///< of the floor where the walk begins, world y, metres
   prediction::WayTrackerSettings ways{};  ///< how they keep their names
 };
 

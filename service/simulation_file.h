@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <tl/expected.hpp>
 #include <utility>
@@ -24,9 +25,11 @@ namespace forewalk::service {
 
 struct LoadedSimulation {
   std::shared_ptr<const navmesh::World> world;  ///< null: an open plane
-  rdw::SimulationConfig config;
-  std::optional<CompanyConfig> company;  ///< who else is in the building
-  float walkerRadius = 0.0f;             ///< of who the navmesh was built for, metres
+  rdw::SimulationConfig config;                 ///< of the only user, or the first
+  std::vector<rdw::SimulationConfig> others{};  ///< who walk at the same time
+  rdw::Sharing sharing = rdw::Sharing::kRoom;   ///< what they have in common with them
+  std::optional<CompanyConfig> company;         ///< who else is in the building
+  float walkerRadius = 0.0f;                    ///< of who the navmesh was built for, metres
 };
 
 /// Reads what simulations name, each scene, room and recording once. Any number of threads may use
@@ -57,18 +60,35 @@ class SimulationLoader {
   tl::expected<BuiltScene, Error> sceneOf(const rdw::SimulationFile& file,
                                           const std::filesystem::path& folder);
   tl::expected<rdw::TrackedSpace, Error> spaceOf(const std::filesystem::path& file);
-  tl::expected<rdw::Walk, Error> walkOf(const std::filesystem::path& file,
-                                        const std::string& walker);
+  tl::expected<const std::vector<rdw::Walk>*, Error> walksIn(
+      const std::filesystem::path& file, const std::filesystem::path& intervals);
+  tl::expected<rdw::Walk, Error> walkOf(const rdw::UserFile& user,
+                                        const std::filesystem::path& folder, std::size_t i);
+  tl::expected<std::vector<glm::vec3>, Error> waypointsOf(const std::filesystem::path& file,
+                                                          float height);
+  tl::expected<std::vector<rdw::SimulationConfig>, Error> usersOf(
+      const rdw::SimulationFile& file, const std::filesystem::path& folder,
+      const rdw::SimulationConfig& config, const std::string& name);
+  tl::expected<std::vector<std::byte>, Error> bytesOf(const std::filesystem::path& file);
 
   navmesh::BuildRun run_;
   mutable std::mutex mutex_;
   std::vector<BuiltScene> scenes_;
   std::map<std::filesystem::path, rdw::TrackedSpace> spaces_;
-  std::map<std::filesystem::path, std::vector<rdw::Walk>> walks_;
+  std::map<std::pair<std::filesystem::path, std::filesystem::path>, std::vector<rdw::Walk>>
+      walks_;  // by the files of their places and times
+  std::map<std::filesystem::path, std::vector<glm::dvec2>> paths_;
+  std::set<std::filesystem::path> read_;
 };
 
-/// Walks, in the company that the file asks for; `forEach`: who runs slices of a crowd's step, with
-/// the same result whoever does. Fails as rdw::simulate does.
+/// All users, in their order. `forEach` as below. Fails as rdw::simulateTogether does.
+[[nodiscard]] tl::expected<std::vector<rdw::SimulationResult>, Error> simulateAll(
+    const LoadedSimulation& loaded, rdw::SimulationRun run = {},
+    const navmesh::ForEach& forEach = {});
+
+/// The first user, with all others there. Walks, in the company that the file asks for; `forEach`:
+/// who runs slices of a crowd's step, with the same result whoever does. Fails as rdw::simulate
+/// does.
 [[nodiscard]] tl::expected<rdw::SimulationResult, Error> simulate(
     const LoadedSimulation& loaded, rdw::SimulationRun run = {},
     const navmesh::ForEach& forEach = {});

@@ -11,8 +11,6 @@ namespace {
 
 constexpr float kStandingReach =
     0.3f;                            // metres; whoever stays so near to where they stopped stands
-constexpr float kTouch = 0.01f;      // share of the radii's sum; deeper is a collision
-constexpr float kStorey = 2.0f;      // metres; who is farther above or below is on another floor
 constexpr double kSameWay = 0.02;    // m/s; what differs less from the user's wish is that wish
 constexpr float kSqueeze = 20.0f;    // what closed ground costs agents' own paths
 constexpr float kGoalAhead = 0.05f;  // metres; the user's goal radius
@@ -37,6 +35,16 @@ glm::vec2 velocityOf(const agents::Plan& plan, float heading) {
 }
 
 }  // namespace
+
+std::optional<glm::dvec2> wayOf(const agents::Crowd& crowd, agents::AgentId human) {
+  const agents::AgentsView view = crowd.view();
+  const std::uint32_t i = crowd.indexOf(human);
+  const glm::vec2 wish = view.preferredVelocity[i];
+  if (wish == glm::vec2(0.0f)) return std::nullopt;  // standing, or there
+  const glm::dvec2 velocity(velocityOf(crowd.planOf(human), view.heading[i]));
+  if (glm::distance(velocity, glm::dvec2(wish)) < kSameWay) return std::nullopt;
+  return velocity;
+}
 
 WalkCompany::WalkCompany(CompanyConfig config, std::shared_ptr<const navmesh::World> world,
                          float walkerRadius, double rate, navmesh::ForEach forEach)
@@ -194,14 +202,7 @@ void WalkCompany::follow(std::uint64_t frame, const rdw::CompanyUser& user) {
 
 std::optional<glm::dvec2> WalkCompany::makeWay() const {
   if (!config_.userAvoids) return std::nullopt;
-  const agents::Crowd& crowd = walk_.crowd();
-  const agents::AgentsView view = crowd.view();
-  const std::uint32_t i = crowd.indexOf(user_);
-  const glm::vec2 wish = view.preferredVelocity[i];
-  if (wish == glm::vec2(0.0f)) return std::nullopt;  // standing, or there
-  const glm::dvec2 velocity(velocityOf(crowd.planOf(user_), view.heading[i]));
-  if (glm::distance(velocity, glm::dvec2(wish)) < kSameWay) return std::nullopt;
-  return velocity;
+  return wayOf(walk_.crowd(), user_);
 }
 
 rdw::CompanySummary WalkCompany::summary() const {

@@ -12,6 +12,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "agents/crowd.h"
 #include "agents/overlaps.h"
 #include "navmesh/for_each.h"
 #include "navmesh/standing.h"
@@ -21,6 +22,13 @@
 #include "service/crowd_walk.h"
 
 namespace forewalk::service {
+
+inline constexpr float kTouch = 0.01f;  ///< share of the radii's sum; deeper is a collision
+inline constexpr float kStorey = 2.0f;  ///< metres; who is farther above or below is elsewhere
+
+/// How a human of a crowd would walk now to make way, by what its model planned in its last step,
+/// m/s on the plan; none: as it likes.
+std::optional<glm::dvec2> wayOf(const agents::Crowd& crowd, agents::AgentId human);
 
 class WalkCompany final : public rdw::Company {
  public:

@@ -14,6 +14,7 @@
 #include "service/cli/verb.h"
 #include "service/console.h"
 #include "service/experiment/statistics.h"
+#include "service/files.h"
 #include "service/parallel.h"
 #include "service/timing.h"
 
@@ -22,6 +23,8 @@ namespace {
 
 using service::CampaignEnd;
 using service::Experiment;
+
+constexpr int kStopped = 130;  // exit status, as a shell gives it for Ctrl-C
 
 struct ExperimentOptions {
   std::filesystem::path plan;
@@ -83,6 +86,10 @@ std::string checkShard(const std::string& text) {
 }
 
 tl::expected<void, Error> run(const ExperimentOptions& options) {
+  if (!options.check) {
+    // Scenes take their time.
+    if (auto sound = service::checkWritable(options.out / "rows.jsonl"); !sound) return sound;
+  }
   std::optional<service::ProgressBar> bar("reading the scenes");
   navmesh::BuildRun build;
   build.forEach = service::onThreads(options.threads);
@@ -127,6 +134,7 @@ tl::expected<void, Error> run(const ExperimentOptions& options) {
   fmt::print("{}.\n", words);
   if (!end->finished()) {
     fmt::print("Stopped. The same command goes on from here.\n");
+    throw CLI::RuntimeError(kStopped);
   } else if (settings.shards > 1) {
     fmt::print("Shard {} of {}. When all are done: forewalk merge FOLDER... --out FOLDER\n",
                settings.shard, settings.shards);
@@ -172,7 +180,8 @@ Verb addExperiment(CLI::App& program) {
       "\"rectangle\": [6, 6]}],\n"
       "   \"controllers\": [\"s2c\", \"s2c-predictive\"], \"seeds\": 10}\n"
       "  forewalk experiment plan.json --out results && forewalk report results\n"
-      "Ctrl-C keeps what is done; the same command goes on from there. Every key is described in\n"
+      "Ctrl-C keeps what is done (exit status 130); the same command goes on from there. On a\n"
+      "cluster: service/experiment/slurm/forewalk-array.sh. Every key is described in\n"
       "service/experiment/plan.h.");
   return {verb, [options] {
             if (!options->check && options->out.empty()) {

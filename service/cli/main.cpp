@@ -84,7 +84,8 @@ int run(int argc, char** argv) {
       "Each verb explains itself: forewalk predict --help.\n"
       "Lengths are metres; positions are x,y,z in metres, y up (as the scene lies after --unit and "
       "--up).\n"
-      "Exit status: 0 done, 1 the input was refused, 2 wrong usage.");
+      "Exit status: 0 done, 1 the input was refused, 2 wrong usage, 130 stopped half-way "
+      "(experiment).");
   const Verb verbs[] = {addBuild(program),    addPredict(program), addSweep(program),
                         addSimulate(program), addFit(program),     addEvaluate(program),
                         addAnimate(program),  addPaths(program),   addTrajectories(program),
@@ -102,6 +103,8 @@ int run(int argc, char** argv) {
       return kDone;
     }
     return refuseUsage(program, fmt::format("a verb is missing: {}", kVerbs));
+  } catch (const CLI::RuntimeError& stopped) {
+    return stopped.get_exit_code();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
     return refuseUsage(program, inPlainWords(program, error));

@@ -44,6 +44,26 @@ navmesh::ForEach forEachOf(const service::LoadedSimulation& loaded) {
   return agents < kWorthThreads ? navmesh::ForEach{} : service::onThreads(0);
 }
 
+/// walk.csv, walk-2.csv, ...; stdout is there for all.
+std::filesystem::path ofUser(const std::filesystem::path& file, std::size_t user) {
+  if (user == 0 || file == "-") return file;
+  std::filesystem::path name = file.stem();
+  name += fmt::format("-{}", user + 1);
+  name += file.extension();
+  return file.parent_path() / name;
+}
+
+void report(const rdw::Summary& summary) {
+  fmt::print("{}: {:.1f} m in {:.1f} s, {} resets ({:.2f} per 100 m), ended: {}\n",
+             summary.controller, summary.virtualMetres, summary.seconds, summary.resets,
+             summary.resetsPer100Metres(), rdw::nameOf(summary.end));
+  if (const auto& company = summary.company) {
+    fmt::print("among {} others: {} collisions, nearest {:.2f} m, ways blocked for {:.1f} s\n",
+               company->others, company->collisions, company->minimumSeparation,
+               company->blockedSeconds);
+  }
+}
+
 tl::expected<void, Error> run(const SimulateOptions& options) {
   refuseBothToStdout("--trace", options.trace, "--summary", options.summary);
   for (const std::filesystem::path& file : {options.trace, options.summary}) {
@@ -52,6 +72,7 @@ tl::expected<void, Error> run(const SimulateOptions& options) {
   auto loaded = load(options);
   if (!loaded) return tl::unexpected(std::move(loaded.error()));
   loaded->config.keepFrames = !options.trace.empty();
+  for (rdw::SimulationConfig& other : loaded->others) other.keepFrames = !options.trace.empty();
   std::optional<service::ProgressBar> bar("walking");
   const service::Stopwatch watch;
   rdw::SimulationRun simulation;
@@ -59,32 +80,32 @@ tl::expected<void, Error> run(const SimulateOptions& options) {
   simulation.progress = [&](double done) {
     bar->update(static_cast<std::size_t>(1000.0 * done), 1000);
   };
-  const auto result = service::simulate(*loaded, simulation, forEachOf(*loaded));
+  const auto results = service::simulateAll(*loaded, simulation, forEachOf(*loaded));
   bar.reset();
-  if (!result) {
+  if (!results) {
     // The simulation knows no file names.
-    return tl::unexpected(Error{result.error().code, fmt::format("{}: {}", options.config.string(),
-                                                                 result.error().message)});
+    return tl::unexpected(Error{results.error().code, fmt::format("{}: {}", options.config.string(),
+                                                                  results.error().message)});
   }
-  if (!options.trace.empty()) {
-    if (auto written = service::writeFile(options.trace, rdw::traceCsv(result->frames)); !written) {
-      return written;
+  for (std::size_t user = 0; user < results->size(); ++user) {
+    const rdw::SimulationResult& result = (*results)[user];
+    if (!options.trace.empty()) {
+      if (auto written =
+              service::writeFile(ofUser(options.trace, user), rdw::traceCsv(result.frames));
+          !written) {
+        return written;
+      }
     }
-  }
-  const rdw::Summary& summary = result->summary;
-  if (!options.summary.empty()) {
-    if (auto written = service::writeFile(options.summary, rdw::summaryJson(summary)); !written) {
-      return written;
+    if (!options.summary.empty()) {
+      if (auto written =
+              service::writeFile(ofUser(options.summary, user), rdw::summaryJson(result.summary));
+          !written) {
+        return written;
+      }
     }
-  }
-  if (options.trace == "-" || options.summary == "-") return {};  // stdout is taken
-  fmt::print("{}: {:.1f} m in {:.1f} s, {} resets ({:.2f} per 100 m), ended: {}\n",
-             summary.controller, summary.virtualMetres, summary.seconds, summary.resets,
-             summary.resetsPer100Metres(), rdw::nameOf(summary.end));
-  if (const auto& company = summary.company) {
-    fmt::print("among {} agents: {} collisions, nearest {:.2f} m, ways blocked for {:.1f} s\n",
-               company->others, company->collisions, company->minimumSeparation,
-               company->blockedSeconds);
+    if (options.trace == "-" || options.summary == "-") continue;  // stdout is taken
+    if (results->size() > 1) fmt::print("user {}, ", user + 1);
+    report(result.summary);
   }
   return {};
 }
@@ -98,7 +119,8 @@ Verb addSimulate(CLI::App& program) {
   verb->add_option("CONFIG", options->config,
                    "forewalk.simulation/1: scene, tracked space, limits, controller, user, seed")
       ->required();
-  verb->add_option("--trace", options->trace, "CSV to write, a row per frame; - is stdout")
+  verb->add_option("--trace", options->trace,
+                   "CSV to write, a row per frame; - is stdout; of more users: FILE-2.csv, ...")
       ->check(fileName);
   verb->add_option("--summary", options->summary, "JSON to write, the walk in numbers; - is stdout")
       ->check(fileName);

@@ -14,7 +14,8 @@
 namespace forewalk::cli {
 
 /// `options` belongs to the App it was added to. `run` is called at most once, after parsing.
-/// Throws CLI::ValidationError for wrong usage that only shows then (exit status 2).
+/// Throws CLI::ValidationError for wrong usage that only shows then (exit status 2), and
+/// CLI::RuntimeError with the exit status where it was stopped half-way and has said so.
 struct Verb {
   CLI::App* options;
   std::function<tl::expected<void, Error>()> run;

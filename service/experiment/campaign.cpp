@@ -16,6 +16,7 @@
 
 #include "rdw/simulation.h"
 #include "rdw/simulation_config.h"
+#include "service/experiment/run_quality.h"
 #include "service/files.h"
 #include "service/parallel.h"
 #include "service/walk_plan.h"
@@ -193,15 +194,19 @@ tl::expected<void, Error> Experiment::check(const LoadedSimulation& loaded,
     return tl::unexpected(Error{ErrorCode::kSettingOutOfRange,
                                 fmt::format("{} ({}): {}", file_.string(), namesOf(chosen), what)});
   };
-  const rdw::TrackedSpace& space = loaded.config.session.space;
-  if (space.clearance() < kBodyRadius) {
+  std::vector<const rdw::SimulationConfig*> users{&loaded.config};
+  for (const rdw::SimulationConfig& other : loaded.others) users.push_back(&other);
+  for (const rdw::SimulationConfig* user : users) {
+    const double clearance = user->session.space.clearance();
+    if (clearance >= kBodyRadius) continue;
     return refuse(
         fmt::format("the room is nowhere more than {:.2f} m from a wall or obstacle, a "
                     "body needs {:.2f} m; take a larger room.",
-                    space.clearance(), kBodyRadius));
+                    clearance, kBodyRadius));
   }
+  const rdw::TrackedSpace& space = loaded.config.session.space;
   const auto& start = loaded.config.start.physical;
-  if (start && !space.contains(start->position)) {
+  if (start && loaded.others.empty() && !space.contains(start->position)) {
     return refuse(
         fmt::format("physical_start ({:.2f}, {:.2f}) lies outside the room, or in an "
                     "obstacle, by {:.2f} m.",
@@ -218,8 +223,12 @@ tl::expected<void, Error> Experiment::tryOut(const std::array<std::size_t, kAxes
   rdw::SimulationConfig& config = loaded->config;
   if (!withController) config.session.controller = rdw::controllerNames().front();
   config.keepFrames = false;
+  for (rdw::SimulationConfig& other : loaded->others) {
+    other.session.controller = config.session.controller;
+    other.keepFrames = false;
+  }
   const rdw::SimulationRun first{{}, {}, [] { return true; }, nullptr};  // ends after a frame
-  if (const auto walked = service::simulate(*loaded, first); !walked) {
+  if (const auto walked = simulateAll(*loaded, first); !walked) {
     return tl::unexpected(
         Error{walked.error().code,
               fmt::format("{} ({}): {}", file_.string(), namesOf(chosen), walked.error().message)});
@@ -227,24 +236,74 @@ tl::expected<void, Error> Experiment::tryOut(const std::array<std::size_t, kAxes
   return {};
 }
 
-tl::expected<void, Error> Experiment::writeTrace(const std::filesystem::path& folder,
-                                                 std::size_t run, const LoadedSimulation& loaded,
-                                                 const rdw::SimulationResult& result) const {
+tl::expected<void, Error> Experiment::writeTraces(
+    const std::filesystem::path& folder, std::size_t run, const LoadedSimulation& loaded,
+    std::span<const rdw::SimulationResult> results) const {
   const auto chosen = plan_.choicesOf(run);
-  const std::string stem = traceStem(plan_, run);
-  const std::string title = fmt::format(
-      "{}",
-      plan_.choice(Axis::kController, chosen[static_cast<std::size_t>(Axis::kController)]).name);
-  const std::string subtitle =
-      fmt::format("{}; seed {}: {:.0f} m, {} resets", namesOf(chosen), plan_.seedOf(run),
-                  result.summary.virtualMetres, result.summary.resets);
-  auto written = writeFile(folder / (stem + ".csv"), rdw::traceCsv(result.frames)).and_then([&] {
-    return writeFile(folder / (stem + "-room.svg"),
-                     physicalPlan(loaded.config.session.space, result.frames, title, subtitle));
-  });
-  if (loaded.world == nullptr || !written) return written;
-  return writeFile(folder / (stem + "-building.svg"),
-                   virtualPlan(loaded.world->graph, result.frames, title, subtitle));
+  const std::string& title =
+      plan_.choice(Axis::kController, chosen[static_cast<std::size_t>(Axis::kController)]).name;
+  for (std::size_t user = 0; user < results.size(); ++user) {
+    const rdw::SimulationResult& result = results[user];
+    const std::string stem = traceStem(plan_, run, user);
+    const std::string subtitle = fmt::format(
+        "{}{}; seed {}: {:.0f} m, {} resets", namesOf(chosen),
+        results.size() > 1 ? fmt::format(", the {} of {}", user + 1, results.size()) : "",
+        plan_.seedOf(run), result.summary.virtualMetres, result.summary.resets);
+    const rdw::SimulationConfig& config = user == 0 ? loaded.config : loaded.others[user - 1];
+    // Times differ from one run to the next: timing.csv has them, the traces are the same bytes.
+    std::vector<rdw::FrameRecord> frames = result.frames;
+    for (rdw::FrameRecord& frame : frames) {
+      frame.predictMicroseconds = frame.steerMicroseconds = frame.frameMicroseconds = 0.0;
+    }
+    auto written = writeFile(folder / (stem + ".csv"), rdw::traceCsv(frames)).and_then([&] {
+      return writeFile(folder / (stem + "-room.svg"),
+                       physicalPlan(config.session.space, result.frames, title, subtitle));
+    });
+    if (written && loaded.world != nullptr) {
+      written = writeFile(folder / (stem + "-building.svg"),
+                          virtualPlan(loaded.world->graph, result.frames, title, subtitle));
+    }
+    if (!written) return written;
+  }
+  return {};
+}
+
+tl::expected<Row, Error> Experiment::walk(std::size_t run, const CampaignSettings& settings,
+                                          const std::function<bool()>& interrupted,
+                                          std::optional<Error>& unwritable) const {
+  auto loaded = simulation(run);
+  if (!loaded) return tl::unexpected(loaded.error());
+  if (auto sound = check(*loaded, plan_.choicesOf(run)); !sound) {
+    return tl::unexpected(sound.error());
+  }
+  const rdw::SimulationRun how{settings.microseconds, {}, interrupted, nullptr};
+  const auto results = simulateAll(*loaded, how);
+  if (!results) return tl::unexpected(results.error());
+  const auto isInterrupted = [](const rdw::SimulationResult& result) {
+    return result.summary.end == rdw::WalkEnd::kInterrupted;
+  };
+  Row row;
+  if (std::any_of(results->begin(), results->end(), isInterrupted)) return row;
+  const bool traced =
+      plan_.traces == Traces::kAll || (plan_.traces == Traces::kFirst && plan_.isFirstSeed(run));
+  if (traced) {
+    if (auto written = writeTraces(settings.out / "traces", run, *loaded, *results); !written) {
+      unwritable = written.error();
+      return row;
+    }
+  }
+  std::vector<const rdw::SimulationConfig*> users{&loaded->config};
+  for (const rdw::SimulationConfig& other : loaded->others) users.push_back(&other);
+  std::vector<const rdw::TrackedSpace*> spaces;
+  for (const rdw::SimulationConfig* user : users) spaces.push_back(&user->session.space);
+  row = rowOf(run, *results, spaces);
+  if (plan_.quality == QualityOf::kNone || loaded->world == nullptr) return row;
+  for (std::size_t i = 0; i < users.size(); ++i) {
+    if (plan_.quality != QualityOf::kAll && !looksAhead(*users[i])) continue;
+    setQuality(qualityOf(*loaded->world, *users[i], (*results)[i]), row.users[i]);
+  }
+  together(row);
+  return row;
 }
 
 tl::expected<Manifest, Error> Experiment::manifest(const CampaignSettings& settings) const {
@@ -261,6 +320,18 @@ tl::expected<Manifest, Error> Experiment::manifest(const CampaignSettings& setti
     const std::filesystem::path beside = file.lexically_relative(file_.parent_path());
     manifest.inputs.push_back(
         {beside.empty() ? file.string() : beside.string(), contentHash(text)});
+  }
+  std::array<std::size_t, kAxes> chosen{};
+  std::size_t& room = chosen[static_cast<std::size_t>(Axis::kRoom)];
+  for (; room < plan_.choices[static_cast<std::size_t>(Axis::kRoom)].size(); ++room) {
+    RoomOutline& outline = manifest.rooms.emplace_back();
+    outline.name = plan_.choice(Axis::kRoom, room).name;
+    const auto loaded = load(chosen, plan_.seeds.front());
+    if (!loaded) return tl::unexpected(loaded.error());
+    const rdw::TrackedSpace& space = loaded->config.session.space;
+    for (std::size_t ring = 0; ring < space.ringCount(); ++ring) {
+      outline.rings.emplace_back(space.ring(ring).begin(), space.ring(ring).end());
+    }
   }
   return manifest;
 }
@@ -294,47 +365,34 @@ tl::expected<CampaignEnd, Error> Experiment::carryOut(const CampaignSettings& se
     if (!there.contains(run)) left.push_back(run);
   }
 
+  constexpr std::uintmax_t kBytesARun = 8192;  // of its row and its lines in the tables, generously
+  if (auto room = checkSpace(settings.out, left.size() * kBytesARun); !room) {
+    return tl::unexpected(room.error());
+  }
+
   std::mutex mutex;
   std::atomic<bool> stop = false;
   std::optional<Error> unwritable;
   const auto interrupted = [&] {
     return stop.load() || (settings.interrupted && settings.interrupted());
   };
-  // The row of a run, its trace written; nothing where the run was interrupted.
-  const auto walk = [&](std::size_t run) -> std::optional<Row> {
-    auto loaded = simulation(run);
-    if (!loaded) return failedRow(run, loaded.error().message);
-    if (auto sound = check(*loaded, plan_.choicesOf(run)); !sound) {
-      return failedRow(run, sound.error().message);
-    }
-    loaded->config.keepFrames = true;
-    const rdw::SimulationRun how{settings.microseconds, {}, interrupted, nullptr};
-    const auto result = service::simulate(*loaded, how);
-    if (!result) return failedRow(run, result.error().message);
-    if (result->summary.end == rdw::WalkEnd::kInterrupted) return std::nullopt;
-    const bool traced =
-        plan_.traces == Traces::kAll || (plan_.traces == Traces::kFirst && plan_.isFirstSeed(run));
-    if (traced) {
-      if (auto written = writeTrace(settings.out / "traces", run, *loaded, *result); !written) {
-        const std::lock_guard lock(mutex);
-        unwritable = written.error();
-        stop = true;
-        return std::nullopt;
-      }
-    }
-    return rowOf(run, *result, loaded->config.session.space);
-  };
   onThreads(settings.threads)(left.size(), [&](std::size_t i) {
     if (interrupted()) return;
-    std::optional<Row> row;
+    std::optional<Error> problem;
+    tl::expected<Row, Error> row;
     try {
-      row = walk(left[i]);
-    } catch (const std::exception& problem) {
-      row = failedRow(left[i], problem.what());
+      row = walk(left[i], settings, interrupted, problem);
+    } catch (const std::exception& thrown) {
+      row = failedRow(left[i], thrown.what());
     }
-    if (!row) return;
+    if (!row) row = failedRow(left[i], row.error().message);
     const std::lock_guard lock(mutex);
-    if (unwritable) return;
+    if (problem && !unwritable) unwritable = problem;
+    if (unwritable) {
+      stop = true;
+      return;
+    }
+    if (row->end.empty()) return;  // interrupted
     if (auto written = (*writer)->add(*row); !written) {
       unwritable = written.error();
       stop = true;
@@ -411,7 +469,9 @@ tl::expected<Results, Error> mergeShards(std::span<const std::filesystem::path> 
     if (!std::filesystem::is_directory(folder / "traces")) continue;
     std::error_code problem;
     std::filesystem::copy(folder / "traces", out / "traces",
-                          std::filesystem::copy_options::overwrite_existing, problem);
+                          std::filesystem::copy_options::overwrite_existing |
+                              std::filesystem::copy_options::recursive,
+                          problem);
     if (problem) {
       return tl::unexpected(
           Error{ErrorCode::kFileUnwritable,

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <tl/expected.hpp>
@@ -68,8 +69,9 @@ class Experiment {
   /// plan, its files and the program. Writes the tables once all runs of an unsharded campaign are
   /// there.
   ///
-  /// Fails when the folder cannot be written, belongs to another plan, version or shard, or is
-  /// damaged (results.h); when the disk is full, after the last row that fitted.
+  /// Fails before anything runs when the folder cannot be written, belongs to another plan, version
+  /// or shard, is damaged (results.h), or the disk has no room for the tables; and when it is full
+  /// all the same, after the last row that fitted.
   [[nodiscard]] tl::expected<CampaignEnd, Error> carryOut(const CampaignSettings& settings) const;
 
  private:
@@ -80,9 +82,14 @@ class Experiment {
                                   const std::array<std::size_t, kAxes>& chosen) const;
   tl::expected<void, Error> tryOut(const std::array<std::size_t, kAxes>& chosen,
                                    bool withController) const;
-  tl::expected<void, Error> writeTrace(const std::filesystem::path& folder, std::size_t run,
-                                       const LoadedSimulation& loaded,
-                                       const rdw::SimulationResult& result) const;
+  tl::expected<void, Error> writeTraces(const std::filesystem::path& folder, std::size_t run,
+                                        const LoadedSimulation& loaded,
+                                        std::span<const rdw::SimulationResult> results) const;
+  // The row of a run, its traces written; without an end where it was interrupted, or where they
+  // could not be written, which `unwritable` says then. Fails with the reason of a failed run.
+  tl::expected<Row, Error> walk(std::size_t run, const CampaignSettings& settings,
+                                const std::function<bool()>& interrupted,
+                                std::optional<Error>& unwritable) const;
   tl::expected<Manifest, Error> manifest(const CampaignSettings& settings) const;
 
   ExperimentPlan plan_;

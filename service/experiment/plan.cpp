@@ -189,6 +189,10 @@ tl::expected<ExperimentPlan, Error> parseExperiment(std::span<const std::byte> b
   std::size_t traces = static_cast<std::size_t>(plan.traces);
   fields.word("traces", kTraces, traces);
   plan.traces = static_cast<Traces>(traces);
+  static constexpr std::string_view kQuality[] = {"used", "all", "none"};
+  auto quality = static_cast<std::size_t>(plan.quality);
+  fields.word("prediction_quality", kQuality, quality);
+  plan.quality = static_cast<QualityOf>(quality);
   fields.finish();
   if (problem.error()) return tl::unexpected(*problem.error());
   double runs = static_cast<double>(plan.seeds.size());

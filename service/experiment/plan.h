@@ -4,12 +4,16 @@
 //     "format": "forewalk.experiment/1",
 //     "name": "steering in a museum",
 //     "walk": {"horizon_m": 10, "stop": {"virtual_m": 200}},
-//     "scenes": ["museum.obj", "plane", {"name": "fine", "scene": "museum.obj", "build": {"cell_m":
-//     0.05}}], "rooms": [{"name": "4 m x 4 m", "rectangle": [4, 4]}, "laboratory.txt"], "users":
-//     [{"name": "visitor", "kind": "wander", "pause_max_s": 5}], "controllers": ["none", "s2c",
-//     "s2c-predictive"], "resets": ["two-one-turn", "r2g"],
-//     "limits": ["steinicke", "toolkit"], "variants": [{"name": "10 m"},
-//     {"name": "20 m", "horizon_m": 20}], "seeds": 50, "traces": "first"
+//     "scenes": ["museum.obj", "plane",
+//                {"name": "fine", "scene": "museum.obj", "build": {"cell_m": 0.05}}],
+//     "rooms": [{"name": "4 m x 4 m", "rectangle": [4, 4]}, "laboratory.txt"],
+//     "users": [{"name": "visitor", "kind": "wander", "pause_max_s": 5},
+//               {"name": "three in a room", "kind": "wander", "count": 3}],
+//     "controllers": ["none", "s2c", "s2c-predictive"],
+//     "resets": ["two-one-turn", "r2g"],
+//     "limits": ["steinicke", "toolkit"],
+//     "variants": [{"name": "10 m"}, {"name": "20 m", "horizon_m": 20}],
+//     "seeds": 50, "traces": "first"
 //   }
 //
 // Every run is a `forewalk.simulation/1` (rdw/simulation_config.h): the keys of `walk`, then those
@@ -19,12 +23,17 @@
 // - scenes: a file, "plane" for an open plane, or an object of `name` and the keys scene, import,
 // build, start.
 // - rooms: a file with a tracked space, or an object of `name` and the keys of forewalk.space/1.
-// - users: an object of `name` and the keys of `user`.
+// - users: an object of `name` and the keys of `user`, with which several may walk at once: in one
+//   room, or in rooms of their own and one virtual world. The toolkits' paths are kinds of user:
+//   90-degree turns {"kind": "legs"}, random turns {"kind": "legs", "turn": "uniform", "turn_deg":
+//   180}, straight {"kind": "legs", "turn_deg": 0}, sawtooth, circle, figure-eight, corridors.
 // - controllers: as in a simulation. resets, limits: likewise, or an object of `name` and the keys
 //   of `reset` or `limits`.
 // - variants: an object of `name` and any keys of a simulation.
 // - seeds: how many (1, 2, ...), or a list of them.
 // - traces: "none", "first" (of the seeds) or "all": whose frames are written as CSV.
+// - prediction_quality: "used" (where controller or reset look at predictions; the default), "all"
+//   (wherever there is a scene) or "none": whether it is measured how well ways were foreseen.
 // Files lie beside the plan unless their paths are absolute.
 #pragma once
 
@@ -56,6 +65,7 @@ struct Choice {
 };
 
 enum class Traces : std::uint8_t { kNone, kFirst, kAll };
+enum class QualityOf : std::uint8_t { kUsed, kAll, kNone };
 
 /// A plan that was read. Indices of runs go from 0 to runCount() - 1.
 struct ExperimentPlan {
@@ -65,6 +75,7 @@ struct ExperimentPlan {
   std::array<std::vector<Choice>, kAxes> choices;  ///< at least one of each; by Axis
   std::vector<std::uint64_t> seeds;                ///< at least one
   Traces traces = Traces::kFirst;
+  QualityOf quality = QualityOf::kUsed;
 
   std::size_t runCount() const;
   /// Which entry of each list run `run` takes.

@@ -59,7 +59,7 @@ const std::vector<Choice>& listOf(const Results& results, Axis axis) {
 }
 
 std::string meanCell(const Estimate& e, int digits) {
-  if (e.count == 0) return "<td>failed</td>";
+  if (e.count == 0) return "<td>-</td>";
   if (e.count < 2) return fmt::format("<td>{:.{}f}</td>", e.mean, digits);
   return fmt::format("<td>{:.{}f} <small>[{:.{}f}, {:.{}f}]</small></td>", e.mean, digits, e.low,
                      digits, e.high, digits);
@@ -105,10 +105,11 @@ void addTests(std::string& page, const Results& results, const Block& block, std
   for (std::size_t c = 0; c < controllers.size(); ++c) {
     if (c == baseline) continue;
     for (std::size_t r = 0; r < rooms.size(); ++r) {
-      lines.push_back({c, r,
-                       compareControllers(results, block.selection.with(Axis::kRoom, r), baseline,
-                                          c, Metric::kResetsPer100Metres)});
-      p.push_back(lines.back().comparison.signedRank);
+      const Comparison comparison = compareControllers(
+          results, block.selection.with(Axis::kRoom, r), baseline, c, Metric::kResetsPer100Metres);
+      if (comparison.difference.count == 0) continue;  // no walk that both did
+      lines.push_back({c, r, comparison});
+      p.push_back(comparison.signedRank);
     }
   }
   const std::vector<double> adjusted = holm(p);
@@ -141,11 +142,24 @@ void addTests(std::string& page, const Results& results, const Block& block, std
 
 /// All other metrics, means over all rooms.
 void addMetrics(std::string& page, const Results& results, const Block& block) {
-  constexpr Metric kShown[] = {Metric::kMetresBetweenResets, Metric::kSecondsBetweenResets,
-                               Metric::kTranslation,         Metric::kRotationOffset,
-                               Metric::kCurvature,           Metric::kOverThreshold,
-                               Metric::kBorderMean,          Metric::kFlipsPer100Metres,
-                               Metric::kViolations,          Metric::kGraphNodes};
+  constexpr Metric kShown[] = {Metric::kMetresBetweenResets,
+                               Metric::kSecondsBetweenResets,
+                               Metric::kVirtualMetres,
+                               Metric::kPhysicalMetres,
+                               Metric::kTranslation,
+                               Metric::kRotation,
+                               Metric::kRotationOffset,
+                               Metric::kCurvature,
+                               Metric::kOverThreshold,
+                               Metric::kBorderMean,
+                               Metric::kBorderLeast,
+                               Metric::kFlipsPer100Metres,
+                               Metric::kViolations,
+                               Metric::kGraphNodes,
+                               Metric::kWayInGraph,
+                               Metric::kWayNll,
+                               Metric::kWayFirst,
+                               Metric::kWayRank};
   const auto& controllers = listOf(results, Axis::kController);
   page +=
       "<div class=\"wide\"><table><caption>Other measures: means over all "
@@ -154,11 +168,43 @@ void addMetrics(std::string& page, const Results& results, const Block& block) {
     page += fmt::format("<th>{}</th>", escapeXml(controller.name));
   page += "</tr></thead><tbody>\n";
   for (const Metric metric : kShown) {
+    if (valuesOf(results, block.selection, metric).empty()) continue;  // nobody measured it
     page += fmt::format("<tr><td>{}</td>", escapeXml(infoOf(metric).words));
     for (std::size_t c = 0; c < controllers.size(); ++c) {
       const Estimate e =
           estimate(valuesOf(results, block.selection.with(Axis::kController, c), metric));
-      page += e.count == 0 ? "<td>failed</td>" : fmt::format("<td>{:.3g}</td>", e.mean);
+      page += e.count == 0 ? "<td>-</td>" : fmt::format("<td>{:.3g}</td>", e.mean);
+    }
+    page += "</tr>\n";
+  }
+  page += "</tbody></table></div>\n";
+}
+
+/// Whether all who walked together were treated alike.
+void addUsers(std::string& page, const Results& results, const Block& block) {
+  std::size_t users = 0;
+  for (const Row& row : results.rows) {
+    if (isIn(results.plan, row, block.selection)) users = std::max(users, row.users.size());
+  }
+  if (users < 2) return;
+  const auto& controllers = listOf(results, Axis::kController);
+  page +=
+      "<div class=\"wide\"><table><caption>Each of the users who walked together: resets per 100 "
+      "m, "
+      "mean over all rooms and 95 % interval</caption><thead><tr><th></th>";
+  for (std::size_t u = 1; u <= users; ++u) page += fmt::format("<th>user {}</th>", u);
+  page += "</tr></thead><tbody>\n";
+  for (std::size_t c = 0; c < controllers.size(); ++c) {
+    page += fmt::format("<tr><td>{}</td>", escapeXml(controllers[c].name));
+    for (std::size_t u = 0; u < users; ++u) {
+      std::vector<double> values;
+      for (const Row& row : results.rows) {
+        if (u < row.users.size() &&
+            isIn(results.plan, row, block.selection.with(Axis::kController, c))) {
+          values.push_back(row.users[u][Metric::kResetsPer100Metres]);
+        }
+      }
+      page += meanCell(estimate(values), 2);
     }
     page += "</tr>\n";
   }
@@ -279,6 +325,7 @@ tl::expected<std::size_t, Error> writeReport(const Results& results,
     }
     addTests(page, results, block, first);
     addMetrics(page, results, block);
+    addUsers(page, results, block);
     if (auto written = add(page, heatFigure(results, block, b + 1)); !written) {
       return tl::unexpected(written.error());
     }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <span>
 
 #include "prediction/svg.h"
 #include "rdw/tracked_space.h"
@@ -128,15 +128,14 @@ std::vector<Figure> sizeFigure(const Results& results, const Block& block, std::
   return {std::move(figure)};
 }
 
-/// The room as the plan gives it, where it is given in the plan itself.
-std::optional<rdw::TrackedSpace> roomOf(const Choice& room) {
-  const auto space = room.keys.find("space");
-  if (space == room.keys.end() || !space->is_object()) return std::nullopt;
-  nlohmann::json file = *space;
-  file["format"] = "forewalk.space/1";
-  auto read = rdw::TrackedSpace::fromJson(file.dump());
-  if (!read) return std::nullopt;
-  return std::move(*read);
+/// A room of the plan; nothing where its outline was not kept.
+std::optional<rdw::TrackedSpace> roomOf(const Results& results, std::size_t room) {
+  if (room >= results.manifest.rooms.size()) return std::nullopt;
+  const auto& rings = results.manifest.rooms[room].rings;
+  if (rings.empty()) return std::nullopt;
+  auto space = rdw::TrackedSpace::polygon(rings.front(), std::span(rings).subspan(1));
+  if (!space) return std::nullopt;
+  return std::move(*space);
 }
 
 // From paper over orange to a dark violet: lightness falls all the way.
@@ -179,7 +178,7 @@ Figure heatFigure(const Results& results, const Block& block, std::size_t number
   for (std::size_t r = 0; r < rooms.size(); ++r) {
     const double top = kTop + static_cast<double>(r) * (kTile + kGap);
     drawing.text({kNames - 10, top + 0.5 * kTile}, rooms[r].name, 12, Anchor::kEnd);
-    const auto space = roomOf(rooms[r]);
+    const auto space = roomOf(results, r);
     glm::dvec2 size(1.0);
     if (space) size = space->upperBound() - space->lowerBound();
     const glm::dvec2 tile = kTile * size / std::max(size.x, size.y);
@@ -187,13 +186,7 @@ Figure heatFigure(const Results& results, const Block& block, std::size_t number
       std::array<double, kHeatSide * kHeatSide> share{};
       double all = 0.0;
       for (const Row& row : results.rows) {
-        const auto chosen = results.plan.choicesOf(row.run);
-        const Selection selection = cellOf(block, r, c);
-        bool in = !row.failed();
-        for (std::size_t axis = 0; axis < kAxes && in; ++axis) {
-          in = selection.chosen[axis] == Selection::kAny || selection.chosen[axis] == chosen[axis];
-        }
-        if (!in) continue;
+        if (row.failed() || !isIn(results.plan, row, cellOf(block, r, c))) continue;
         for (std::size_t i = 0; i < share.size(); ++i) {
           share[i] += static_cast<double>(row.heat[i]);
           all += static_cast<double>(row.heat[i]);
@@ -261,13 +254,10 @@ std::vector<Figure> walkFigures(const Results& results, const std::filesystem::p
   std::vector<Figure> figures;
   const std::size_t room = listOf(results, Axis::kRoom).size() / 2;
   for (const Row& row : results.rows) {
-    const auto chosen = results.plan.choicesOf(row.run);
-    Selection selection = block.selection.with(Axis::kRoom, room);
-    bool in = !row.failed() && results.plan.isFirstSeed(row.run);
-    for (std::size_t axis = 0; axis < kAxes && in; ++axis) {
-      in = selection.chosen[axis] == Selection::kAny || selection.chosen[axis] == chosen[axis];
+    if (row.failed() || !results.plan.isFirstSeed(row.run) ||
+        !isIn(results.plan, row, block.selection.with(Axis::kRoom, room))) {
+      continue;
     }
-    if (!in) continue;
     const std::string stem = traceStem(results.plan, row.run);
     std::string svg = textOf(folder / "traces" / (stem + "-room.svg"));
     if (svg.empty()) continue;

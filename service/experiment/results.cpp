@@ -6,12 +6,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
-#include "rdw/gains.h"
 #include "rdw/json_text.h"
 #include "service/files.h"
 
@@ -20,146 +17,50 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<MetricInfo, kMetrics> kInfos{{
-    {"resets", "resets"},
-    {"resets_per_100_m", "resets per 100 m"},
-    {"m_between_resets", "virtual metres between resets"},
-    {"s_between_resets", "seconds between resets"},
-    {"reset_s", "seconds in resets"},
-    {"virtual_m", "virtual metres"},
-    {"physical_m", "physical metres"},
-    {"seconds", "seconds"},
-    {"translation", "translation gain, mean"},
-    {"rotation", "rotation gain, mean"},
-    {"rotation_offset", "|rotation gain - 1|, mean"},
-    {"curvature_per_m", "|curvature gain|, mean, 1/m"},
-    {"over_threshold", "share of metres over the threshold"},
-    {"border_mean_m", "distance from the border, mean, m"},
-    {"border_least_m", "distance from the border, least, m"},
-    {"flips_per_100_m", "steering flips per 100 m"},
-    {"violations", "times outside the room"},
-    {"violation_depth_m", "farthest outside the room, m"},
-    {"graph_nodes", "nodes of the prediction graph, mean"},
-    {"room_m2", "room, m^2"},
-}};
-
-constexpr std::array<std::string_view, kTimings> kTimingColumns{
-    "graph_us_median", "graph_us_p99", "graph_us_worst",
-    "frame_us_median", "frame_us_p99", "frame_us_worst"};
-
 constexpr std::string_view kManifestFormat = "forewalk.results/1";
 
-/// Shares of walked metres over what people notice, distances from the border, flips, places.
-void addFrames(std::span<const rdw::FrameRecord> frames, const rdw::TrackedSpace& space, Row& row) {
-  static const rdw::GainLimits threshold = *rdw::gainLimitsByName("steinicke");
-  constexpr float kRounding = 1e-4f;
-  const glm::dvec2 low = space.lowerBound();
-  const glm::dvec2 size = space.upperBound() - low;
-  double metres = 0.0, over = 0.0, border = 0.0;
-  double least = std::numeric_limits<double>::infinity();
-  std::size_t flips = 0;
-  float side = 0.0f;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const rdw::FrameRecord& frame = frames[i];
-    border += frame.borderDistance;
-    least = std::min(least, frame.borderDistance);
-    const glm::dvec2 cell = (frame.physicalPosition - low) / size * static_cast<double>(kHeatSide);
-    const auto column = static_cast<std::size_t>(std::clamp(cell.x, 0.0, kHeatSide - 1.0));
-    const auto line = static_cast<std::size_t>(std::clamp(cell.y, 0.0, kHeatSide - 1.0));
-    ++row.heat[line * kHeatSide + column];
-    if (frame.reset || i == 0) continue;
-    const double step = glm::distance(frame.physicalPosition, frames[i - 1].physicalPosition);
-    const rdw::Gains& gains = frame.gains;
-    const bool noticed = gains.translation < threshold.translationMin - kRounding ||
-                         gains.translation > threshold.translationMax + kRounding ||
-                         gains.rotation < threshold.rotationMin - kRounding ||
-                         gains.rotation > threshold.rotationMax + kRounding ||
-                         std::abs(gains.curvature) > threshold.curvatureMax + kRounding;
-    metres += step;
-    if (noticed) over += step;
-    if (gains.curvature != 0.0f) {
-      if (side * gains.curvature < 0.0f) ++flips;
-      side = gains.curvature;
-    }
+/// Numbers of a JSON list, as many as there are; null, and what is not there, was not measured.
+template <std::size_t N>
+std::array<double, N> numbersOf(const nlohmann::json& list) {
+  if (!list.is_array() || list.size() > N) {
+    throw nlohmann::json::other_error::create(501, "not such a list", &list);
   }
-  const auto set = [&](Metric metric, double value) {
-    row.values[static_cast<std::size_t>(metric)] = value;
-  };
-  const double count = std::max<double>(1.0, static_cast<double>(frames.size()));
-  set(Metric::kOverThreshold, metres > 0.0 ? over / metres : 0.0);
-  set(Metric::kBorderMean, border / count);
-  set(Metric::kBorderLeast, frames.empty() ? 0.0 : least);
-  set(Metric::kFlipsPer100Metres, metres > 0.0 ? 100.0 * static_cast<double>(flips) / metres : 0.0);
+  std::array<double, N> values;
+  values.fill(kNotMeasured);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!list[i].is_null()) values[i] = list[i].get<double>();
+  }
+  return values;
 }
 
-/// A text cell of a CSV: quoted where it has to be.
-std::string cell(std::string_view text) {
-  if (text.find_first_of(",\"\n\r") == text.npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) {
-    quoted += c;
-    if (c == '"') quoted += c;
+std::uint64_t hashOf(const nlohmann::json& text) {
+  const auto& hash = text.get_ref<const std::string&>();
+  std::uint64_t value = 0;
+  const auto read = std::from_chars(hash.data(), hash.data() + hash.size(), value, 16);
+  if (read.ec != std::errc() || read.ptr != hash.data() + hash.size()) {
+    throw nlohmann::json::other_error::create(501, "no hash", &text);
   }
-  return quoted + '"';
+  return value;
 }
-
-/// As short as can be read back to the same number.
-std::string number(double value) { return fmt::format("{}", value); }
 
 }  // namespace
 
-const MetricInfo& infoOf(Metric metric) { return kInfos[static_cast<std::size_t>(metric)]; }
-
-bool Row::sameAs(const Row& other) const {
-  return run == other.run && end == other.end && reason == other.reason &&
-         traceHash == other.traceHash && values == other.values && heat == other.heat;
-}
-
-Row rowOf(std::size_t run, const rdw::SimulationResult& result, const rdw::TrackedSpace& space) {
-  const rdw::Summary& s = result.summary;
-  Row row;
-  row.run = run;
-  row.end = rdw::nameOf(s.end);
-  row.traceHash = s.traceHash;
-  const auto set = [&](Metric metric, double value) {
-    row.values[static_cast<std::size_t>(metric)] = value;
-  };
-  const auto resets = static_cast<double>(s.resets);
-  set(Metric::kResets, resets);
-  set(Metric::kResetsPer100Metres, s.resetsPer100Metres());
-  set(Metric::kMetresBetweenResets, s.metresBetweenResets());
-  set(Metric::kSecondsBetweenResets,
-      s.resets > 0 ? (s.seconds - s.resetSeconds) / resets : s.seconds);
-  set(Metric::kResetSeconds, s.resetSeconds);
-  set(Metric::kVirtualMetres, s.virtualMetres);
-  set(Metric::kPhysicalMetres, s.physicalMetres);
-  set(Metric::kSeconds, s.seconds);
-  set(Metric::kTranslation, s.meanTranslation);
-  set(Metric::kRotation, s.meanRotation);
-  set(Metric::kRotationOffset, s.meanRotationOffset);
-  set(Metric::kCurvature, s.meanCurvature);
-  set(Metric::kViolations, static_cast<double>(s.violations));
-  set(Metric::kViolationDepth, s.violationDepth);
-  set(Metric::kGraphNodes, s.meanGraphNodes);
-  set(Metric::kRoomArea, s.spaceArea);
-  if (s.timed) {
-    row.times = {s.graphMicroseconds.median, s.graphMicroseconds.p99, s.graphMicroseconds.worst,
-                 s.frameMicroseconds.median, s.frameMicroseconds.p99, s.frameMicroseconds.worst};
-  }
-  addFrames(result.frames, space, row);
-  return row;
-}
-
 std::string lineOf(const Row& row) {
-  Json json{{"run", row.run}, {"end", row.end}};
+  Json json{{"run", row.run}};
   if (row.failed()) {
+    json["end"] = row.end;
     json["reason"] = row.reason;
-  } else {
-    json["hash"] = fmt::format("{:016x}", row.traceHash);
-    json["values"] = row.values;
-    json["times"] = row.times;
-    json["heat"] = row.heat;
+    return json.dump() + '\n';
   }
+  json["users"] = Json::array();
+  for (const UserRow& user : row.users) {
+    json["users"].push_back({{"end", user.end},
+                             {"hash", fmt::format("{:016x}", user.traceHash)},
+                             {"values", user.values},
+                             {"openrdw", user.openRdw}});
+  }
+  json["times"] = row.times;
+  json["heat"] = row.heat;
   return json.dump() + '\n';
 }
 
@@ -173,17 +74,21 @@ tl::expected<Row, Error> parseRow(std::string_view line, const std::string& wher
   try {
     Row row;
     row.run = json.at("run").get<std::size_t>();
-    row.end = json.at("end").get<std::string>();
-    if (row.failed()) {
+    if (const auto end = json.find("end"); end != json.end()) {
+      row.end = end->get<std::string>();
+      if (!row.failed()) return refuse();
       row.reason = json.at("reason").get<std::string>();
       return row;
     }
-    const auto& hash = json.at("hash").get_ref<const std::string&>();
-    const auto read = std::from_chars(hash.data(), hash.data() + hash.size(), row.traceHash, 16);
-    if (read.ec != std::errc() || read.ptr != hash.data() + hash.size()) return refuse();
-    row.values = json.at("values").get<decltype(row.values)>();
+    for (const auto& user : json.at("users")) {
+      row.users.push_back({user.at("end").get<std::string>(), hashOf(user.at("hash")),
+                           numbersOf<kMetrics>(user.at("values")),
+                           numbersOf<kOpenRdwValues>(user.at("openrdw"))});
+    }
+    if (row.users.empty()) return refuse();
     row.times = json.at("times").get<decltype(row.times)>();
     row.heat = json.at("heat").get<decltype(row.heat)>();
+    together(row);
     return row;
   } catch (const nlohmann::json::exception&) {
     return refuse();
@@ -204,6 +109,15 @@ std::string manifestJson(const Manifest& manifest) {
   json["inputs"] = Json::array();
   for (const InputFile& input : manifest.inputs) {
     json["inputs"].push_back({{"file", input.name}, {"hash", fmt::format("{:016x}", input.hash)}});
+  }
+  json["rooms"] = Json::array();
+  for (const RoomOutline& room : manifest.rooms) {
+    Json rings = Json::array();
+    for (const auto& ring : room.rings) {
+      rings.push_back(Json::array());
+      for (const glm::dvec2 corner : ring) rings.back().push_back({corner.x, corner.y});
+    }
+    json["rooms"].push_back({{"name", room.name}, {"rings", std::move(rings)}});
   }
   json["plan"] = manifest.plan;
   return json.dump(2) + '\n';
@@ -228,6 +142,16 @@ tl::expected<Manifest, Error> parseManifest(std::string_view text, const std::st
       const auto& hash = input.at("hash").get_ref<const std::string&>();
       manifest.inputs.push_back(
           {input.at("file").get<std::string>(), std::strtoull(hash.c_str(), nullptr, 16)});
+    }
+    for (const auto& room : json->value("rooms", nlohmann::json::array())) {
+      RoomOutline& outline = manifest.rooms.emplace_back();
+      outline.name = room.at("name").get<std::string>();
+      for (const auto& ring : room.at("rings")) {
+        auto& corners = outline.rings.emplace_back();
+        for (const auto& corner : ring) {
+          corners.emplace_back(corner.at(0).get<double>(), corner.at(1).get<double>());
+        }
+      }
     }
     return manifest;
   } catch (const nlohmann::json::exception&) {
@@ -280,81 +204,6 @@ tl::expected<Results, Error> readResults(const std::filesystem::path& folder) {
   auto log = readRows(folder);
   if (!log) return tl::unexpected(log.error());
   return Results{std::move(*manifest), std::move(*plan), std::move(log->rows)};
-}
-
-std::string resultsCsv(const ExperimentPlan& plan, std::span<const Row> rows) {
-  fmt::memory_buffer text;
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "run");
-  for (std::size_t axis = 0; axis < kAxes; ++axis) {
-    fmt::format_to(out, ",{}", nameOf(static_cast<Axis>(axis)));
-  }
-  fmt::format_to(out, ",seed,end,reason");
-  for (const MetricInfo& info : kInfos) fmt::format_to(out, ",{}", info.column);
-  fmt::format_to(out, ",trace_hash\n");
-  for (const Row& row : rows) {
-    fmt::format_to(out, "{}", row.run);
-    const auto chosen = plan.choicesOf(row.run);
-    for (std::size_t axis = 0; axis < kAxes; ++axis) {
-      fmt::format_to(out, ",{}", cell(plan.choices[axis][chosen[axis]].name));
-    }
-    fmt::format_to(out, ",{},{},{}", plan.seedOf(row.run), row.end, cell(row.reason));
-    for (const double value : row.values) {
-      fmt::format_to(out, ",{}", row.failed() ? std::string() : number(value));
-    }
-    fmt::format_to(out, ",{}\n", row.failed() ? "" : fmt::format("{:016x}", row.traceHash));
-  }
-  return fmt::to_string(text);
-}
-
-std::string resultsJson(const ExperimentPlan& plan, std::span<const Row> rows) {
-  Json json{{"format", "forewalk.result-rows/1"}, {"name", plan.name}, {"rows", Json::array()}};
-  for (const Row& row : rows) {
-    Json entry{{"run", row.run}};
-    const auto chosen = plan.choicesOf(row.run);
-    for (std::size_t axis = 0; axis < kAxes; ++axis) {
-      entry[std::string(nameOf(static_cast<Axis>(axis)))] = plan.choices[axis][chosen[axis]].name;
-    }
-    entry["seed"] = plan.seedOf(row.run);
-    entry["end"] = row.end;
-    if (row.failed()) {
-      entry["reason"] = row.reason;
-    } else {
-      for (std::size_t i = 0; i < kMetrics; ++i) {
-        entry[std::string(kInfos[i].column)] = row.values[i];
-      }
-      entry["trace_hash"] = fmt::format("{:016x}", row.traceHash);
-    }
-    json["rows"].push_back(std::move(entry));
-  }
-  return json.dump(1) + '\n';
-}
-
-std::string timingCsv(std::span<const Row> rows) {
-  fmt::memory_buffer text;
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "run");
-  for (const std::string_view column : kTimingColumns) fmt::format_to(out, ",{}", column);
-  fmt::format_to(out, "\n");
-  for (const Row& row : rows) {
-    if (row.failed()) continue;
-    fmt::format_to(out, "{}", row.run);
-    for (const double value : row.times) fmt::format_to(out, ",{:.3f}", value);
-    fmt::format_to(out, "\n");
-  }
-  return fmt::to_string(text);
-}
-
-std::string traceStem(const ExperimentPlan& plan, std::size_t run) {
-  const std::size_t digits = fmt::format("{}", plan.runCount() - 1).size();
-  return fmt::format("{:0{}}", run, digits);
-}
-
-tl::expected<void, Error> writeTables(const std::filesystem::path& folder,
-                                      const ExperimentPlan& plan, std::span<const Row> rows) {
-  return writeFile(folder / "results.csv", resultsCsv(plan, rows))
-      .and_then([&] { return writeFile(folder / "results.json", resultsJson(plan, rows)); })
-      .and_then([&] { return writeFile(folder / "timing.csv", timingCsv(rows)); });
 }
 
 }  // namespace forewalk::service

@@ -2,7 +2,10 @@
 //
 // rows.jsonl  a line per run in the order in which they finished: what a second start goes on from
 // results.csv, results.json  all rows in the order of the plan; the same bytes however they were
-// made timing.csv  microseconds a frame, which differ from machine to machine and so are kept apart
+// made
+// users.csv  a row a user of every run that several walked
+// openrdw.csv  the same in the form of OpenRDW's summaries (openrdw_summary.h)
+// timing.csv  microseconds a frame, which differ from machine to machine and so are kept apart
 // traces/  frames of the first seeds as CSV, and as plans of the room and the building
 // manifest.json  the plan, version and the files that were read, with their hashes
 #pragma once
@@ -21,6 +24,8 @@
 
 #include "navmesh/error.h"
 #include "rdw/simulation.h"
+#include "service/evaluation.h"
+#include "service/experiment/openrdw_summary.h"
 #include "service/experiment/plan.h"
 
 namespace forewalk::service {
@@ -47,8 +52,17 @@ enum class Metric : std::uint8_t {
   kViolationDepth,
   kGraphNodes,
   kRoomArea,
+  kWaySamples,
+  kWayInGraph,
+  kWayJunctions,
+  kWayNll,
+  kWayFirst,
+  kWayRank,
 };
-inline constexpr std::size_t kMetrics = 20;
+inline constexpr std::size_t kMetrics = 26;
+
+/// Of a metric in a run that cannot tell: null in JSON, an empty cell in a CSV.
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 struct MetricInfo {
   std::string_view column;  ///< in files: "resets_per_100_m"
@@ -72,14 +86,26 @@ inline constexpr std::size_t kTimings = 6;
 inline constexpr std::size_t kHeatSide = 16;
 using HeatMap = std::array<std::uint32_t, kHeatSide * kHeatSide>;  ///< frames
 
-struct Row {
-  std::size_t run = 0;
-  std::string end;     ///< a word of rdw::nameOf(WalkEnd), or "failed"
-  std::string reason;  ///< why it failed; else empty
+/// One user of a run.
+struct UserRow {
+  std::string end;  ///< a word of rdw::nameOf(WalkEnd)
   std::uint64_t traceHash = 0;
   std::array<double, kMetrics> values{};
-  std::array<double, kTimings> times{};  ///< 0 where nothing was timed
-  HeatMap heat{};
+  OpenRdwValues openRdw{};
+
+  double operator[](Metric metric) const { return values[static_cast<std::size_t>(metric)]; }
+  bool sameAs(const UserRow& other) const;  ///< to the bit; NaN is like NaN
+};
+
+struct Row {
+  std::size_t run = 0;
+  std::string end;                        ///< that of the users, "stuck" if one was; or "failed"
+  std::string reason;                     ///< why it failed; else empty
+  std::uint64_t traceHash = 0;            ///< of all users
+  std::array<double, kMetrics> values{};  ///< of all users together, see together()
+  std::array<double, kTimings> times{};   ///< 0 where nothing was timed
+  HeatMap heat{};                         ///< of all users
+  std::vector<UserRow> users{};           ///< at least one, unless it failed
 
   bool failed() const { return end == "failed"; }
   double operator[](Metric metric) const { return values[static_cast<std::size_t>(metric)]; }
@@ -88,10 +114,24 @@ struct Row {
   bool sameAs(const Row& other) const;
 };
 
-/// Measures a walk that was simulated with `keepFrames`. Over threshold is the share of walked
-/// metres with a gain that people notice (Steinicke et al. 2010: preset `steinicke`); a flip is a
-/// curvature gain of another sign than the last. O(frames).
-Row rowOf(std::size_t run, const rdw::SimulationResult& result, const rdw::TrackedSpace& space);
+/// How well the ways of a walk were foreseen, by the definitions of `forewalk evaluate`: of the
+/// moments whose outcome is known (kWaySamples), the share whose way was in the graph
+/// (kWayInGraph); and where there was a choice (kWayJunctions), the mean negative log-likelihood of
+/// the way taken, the share in which it was the likeliest, and its mean rank. Nothing is measured
+/// without samples.
+void setQuality(const PredictionQuality& quality, UserRow& user);
+
+/// Measures the walks of a run's users, simulated with `keepFrames`; `spaces` are their rooms. Over
+/// threshold is the share of the time outside of resets with a gain at work that people notice
+/// (Steinicke et al. 2010: preset `steinicke`): translation and curvature while walking, rotation
+/// while turning. A flip is a curvature gain of another sign than the last. O(frames).
+Row rowOf(std::size_t run, std::span<const rdw::SimulationResult> results,
+          std::span<const rdw::TrackedSpace* const> spaces);
+
+/// Fills in what a run's users have together: counts, distances and time in resets are sums, and
+/// what is per 100 m or between resets follows from these; extremes are those of all; scores of
+/// ways are weighed by their samples; all other values are means over the users.
+void together(Row& row);
 
 /// A line of rows.jsonl, ended by LF, and back. `where` stands for the line in messages.
 /// Fails (kDataDamaged) when it is no such line.
@@ -104,11 +144,18 @@ struct InputFile {
   std::uint64_t hash = 0;
 };
 
+/// A room of the plan: its border and its obstacles, as TrackedSpace::ring gives them.
+struct RoomOutline {
+  std::string name;
+  std::vector<std::vector<glm::dvec2>> rings;
+};
+
 /// What the rows in a folder belong to.
 struct Manifest {
   std::string version;  ///< of forewalk
   std::string plan;     ///< its text
   std::vector<InputFile> inputs;
+  std::vector<RoomOutline> rooms;  ///< as many as the plan has, for drawings
   std::size_t runs = 0;
   std::size_t shard = 1, shards = 1;       ///< runs r with r % shards == shard - 1
   bool operator==(const Manifest&) const;  ///< the same experiment, whichever shard
@@ -145,12 +192,14 @@ struct Results {
 std::string resultsCsv(const ExperimentPlan& plan, std::span<const Row> rows);
 std::string resultsJson(const ExperimentPlan& plan, std::span<const Row> rows);
 std::string timingCsv(std::span<const Row> rows);
+std::string usersCsv(const ExperimentPlan& plan, std::span<const Row> rows);
 
 /// What the files of a run's trace below traces/ are called, without their endings: its number, in
 /// as many digits as the largest has.
-std::string traceStem(const ExperimentPlan& plan, std::size_t run);
+/// Users after the first of a run have their number after it: 07, 07-2, 07-3.
+std::string traceStem(const ExperimentPlan& plan, std::size_t run, std::size_t user = 0);
 
-/// Writes results.csv, results.json and timing.csv. Fails as writeFile.
+/// Writes all tables; users.csv only where several users walked together. Fails as writeFile.
 [[nodiscard]] tl::expected<void, Error> writeTables(const std::filesystem::path& folder,
                                                     const ExperimentPlan& plan,
                                                     std::span<const Row> rows);

@@ -57,6 +57,8 @@ double signedRank(std::vector<double> differences) {
   return std::min(1.0, 2.0 * boost::math::cdf(boost::math::normal(), z));
 }
 
+}  // namespace
+
 bool isIn(const ExperimentPlan& plan, const Row& row, const Selection& selection) {
   const auto chosen = plan.choicesOf(row.run);
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
@@ -65,8 +67,6 @@ bool isIn(const ExperimentPlan& plan, const Row& row, const Selection& selection
   }
   return true;
 }
-
-}  // namespace
 
 Estimate estimate(std::span<const double> values) {
   Estimate result{values.size(), kUnknown, kUnknown, kUnknown, kUnknown};
@@ -118,7 +118,8 @@ std::vector<double> holm(std::span<const double> p) {
 std::vector<double> valuesOf(const Results& results, const Selection& selection, Metric metric) {
   std::vector<double> values;
   for (const Row& row : results.rows) {
-    if (!row.failed() && isIn(results.plan, row, selection)) values.push_back(row[metric]);
+    if (row.failed() || std::isnan(row[metric]) || !isIn(results.plan, row, selection)) continue;
+    values.push_back(row[metric]);
   }
   return values;
 }

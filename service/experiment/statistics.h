@@ -53,7 +53,11 @@ struct Selection {
   }
 };
 
-/// Values of a metric of all rows selected, in the order of runs; failed runs are left out.
+/// Whether the selection takes a row.
+bool isIn(const ExperimentPlan& plan, const Row& row, const Selection& selection);
+
+/// Values of a metric of all rows selected, in the order of runs; failed runs, and those that did
+/// not measure it, are left out.
 std::vector<double> valuesOf(const Results& results, const Selection& selection, Metric metric);
 
 /// Compares two controllers on the rows selected, those that neither failed.

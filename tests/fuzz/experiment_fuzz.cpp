@@ -44,17 +44,23 @@ std::vector<std::vector<std::uint8_t>> seedCorpus() {
   using namespace forewalk::service;
   Row row;
   row.run = 3;
-  row.end = "metres";
-  row.values[0] = 2.5;
+  row.users.resize(2);
+  for (UserRow& user : row.users) {
+    user.end = "metres";
+    user.values[0] = 2.5;
+    user.values[kMetrics - 1] = kNotMeasured;
+  }
+  together(row);
   Row failed;
   failed.end = "failed";
   failed.reason = "why";
-  const Manifest manifest{"0.1.0", "{}", {{"office.obj", 17}}, 6, 2, 3};
+  const Manifest manifest{
+      "0.1.0", "{}", {{"office.obj", 17}}, {{"room", {{{0, 0}, {1, 0}, {0, 1}}}}}, 6, 2, 3};
   return seedsOf(
       {R"({"format": "forewalk.experiment/1", "name": "n", "walk": {"stop": {"seconds": 1}},
            "scenes": ["plane", {"name": "a", "scene": "a.obj"}], "seeds": [3, 5], "traces": "all",
            "rooms": ["b.txt", {"name": "c", "rectangle": [4, 4]}], "limits": ["toolkit"],
-           "users": [{"name": "u", "kind": "legs"}], "controllers": ["none", "s2c"],
+           "users": [{"name": "u", "kind": "legs", "count": 2, "share": "world"}], "controllers": ["none", "s2c"],
            "resets": ["r2g", {"name": "soft", "warning_s": 2}],
            "variants": [{"name": "v", "horizon_m": 5}]})",
        R"({"format": "forewalk.experiment/1", "seeds": 7})", lineOf(row), lineOf(failed),

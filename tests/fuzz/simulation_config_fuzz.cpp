@@ -1,4 +1,5 @@
 // The reader of simulation files on any bytes; what it accepts keeps the promises of its ranges.
+#include "rdw/other_user.h"
 #include "rdw/simulation_config.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -18,6 +19,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             "stops are positive");
     require(simulation.user.walker.speed > 0.0 && simulation.user.walker.speed <= 5.0,
             "the speed is in range");
+    std::size_t users = 0;
+    for (const auto& user : file->users) users += user.count;
+    require(users >= 1 && users <= forewalk::rdw::kMostOthers + 1, "some walk, not too many");
     require(simulation.session.space.area() > 0.0, "the space has an area");
     require(forewalk::rdw::validate(simulation.session.limits).has_value(), "limits can work");
   } else {
@@ -37,5 +41,8 @@ std::vector<std::vector<std::uint8_t>> seedCorpus() {
             "build": {"slope_deg": 30, "partition": "layers"}, "reset": {"clearance_m": 0.5},
             "start": {"position": [0,0,0], "heading_deg": 90}, "physical_start": {"position": [1,1]},
             "user": {"kind": "legs", "turn": "uniform", "speed_m_per_s": 1.2}})",
-       R"({"format": "forewalk.simulation/1", "user": {"kind": "recorded", "walks": "w.csv"}})"});
+       R"({"format": "forewalk.simulation/1", "user": {"kind": "recorded", "walks": "w.csv"}})",
+       R"({"format": "forewalk.simulation/1", "user": {"share": "world", "together": [
+            {"kind": "recorded", "walks": "p.csv", "intervals": "t.csv"},
+            {"kind": "waypoints", "waypoints": "p.csv"}, {"kind": "circle", "count": 3}]}})"});
 }

@@ -169,8 +169,8 @@ TEST(ParseSimulation, NamesTheFilesToRead) {
           "user": {"kind": "recorded", "walks": "walks.csv", "walker": "u3"}})");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(file->space, "room.json");
-  EXPECT_EQ(file->walks, "walks.csv");
-  EXPECT_EQ(file->walker, "u3");
+  EXPECT_EQ(file->users.front().walks, "walks.csv");
+  EXPECT_EQ(file->users.front().walker, "u3");
   EXPECT_TRUE(std::holds_alternative<Recorded>(file->simulation.user.plan));
 }
 

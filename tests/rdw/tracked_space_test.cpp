@@ -215,6 +215,23 @@ TEST(TrackedSpaceOpenRdw, ReadsTheBorderAndItsObstacles) {
   EXPECT_FALSE(room->contains({1.5, 1.5}));
 }
 
+TEST(TrackedSpaceOpenRdw, ReadsTheFirstRoomOfItsSecondForm) {
+  // Users, virtual space and obstacle, //, room and obstacle, /, poses, //, another room.
+  const std::string text =
+      "2\n20,20\n-20,20\n-20,-20\n20,-20\n\n3,3\n3,4\n4,4\n\n//\n3,2\n-3,2\n-3,-2\n3,-2\n\n"
+      "1,1\n1,1.5\n1.5,1.5\n1.5,1\n\n/\n0,0\n0,1\n5,5\n0,1\n\n//\n9,9\n-9,9\n-9,-9\n9,-9\n\n";
+  const auto room = TrackedSpace::read(text);
+  ASSERT_TRUE(room) << room.error().message;
+  EXPECT_EQ(room->ringCount(), 2u);
+  EXPECT_EQ(room->area(), 24.0 - 0.25);
+  // Without users and rooms after it the room is the same.
+  const auto alone = TrackedSpace::read(text.substr(0, text.find("\n/\n") + 1));
+  ASSERT_TRUE(alone) << alone.error().message;
+  EXPECT_EQ(alone->area(), room->area());
+  expectRefused(TrackedSpace::fromOpenRdw("2\n1,1\n-1,1\n-1,-1\n\n"), "no line of two characters");
+  expectRefused(TrackedSpace::fromOpenRdw("2\n1,1\n\n//\n"), "no corner");
+}
+
 TEST(TrackedSpaceOpenRdw, NamesTheLine) {
   expectRefused(TrackedSpace::fromOpenRdw(""), "no corner");
   expectRefused(TrackedSpace::fromOpenRdw("\n\n  \n"), "no corner");

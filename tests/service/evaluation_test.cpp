@@ -81,6 +81,22 @@ TEST(Evaluate, PrefersWhatMadeTheChoicesAndFindsItCalibrated) {
   EXPECT_GT(reportOf(overSure, Guess::kLikelihood).calibration, 0.1);
 }
 
+TEST(QualityOf, SaysOfAWalkWhatEvaluateSays) {
+  const RecordedWalk walk = testing::recordedChoices("u", 400, 3, unfittedParameters());
+  const PredictionQuality quality = qualityOf(walk, unfittedParameters());
+  const Evaluation evaluation = evaluate({&walk, 1}, modelsFor(1, unfittedParameters()), 5.0f, 1);
+  const Scores& scores = reportOf(evaluation, Guess::kLikelihood).all;
+  EXPECT_EQ(quality.settled, evaluation.samples - evaluation.unsettled);
+  EXPECT_EQ(quality.contained, evaluation.contained);
+  EXPECT_EQ(quality.junctions, scores.samples);
+  EXPECT_NEAR(quality.nll, scores.nll, 1e-12);
+  EXPECT_NEAR(quality.first, scores.top1, 1e-12);
+  // Of at most n ways the rank lies between those who are always right and always wrong.
+  EXPECT_GE(quality.rank, 1.0);
+  EXPECT_LE(quality.rank, 1.0 + (1.0 - quality.first) * 10.0);
+  EXPECT_EQ(qualityOf(RecordedWalk{}, unfittedParameters()).settled, 0u);
+}
+
 TEST(Evaluate, FindsNoDifferenceToItselfAndIntervalsAroundOthers) {
   const std::vector<RecordedWalk> walks = manyWalks(200);
   const Evaluation evaluation = evaluate(walks, modelsFor(5, unfittedParameters()), 5.0f, 1);

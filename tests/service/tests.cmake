@@ -30,6 +30,7 @@ forewalk_test(service/clip_file_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
 forewalk_unthreaded_test(service/walk_company_test.cpp LIBS forewalk::service fmt::fmt)
 forewalk_unthreaded_test(service/crowd_run_test.cpp LIBS forewalk::service SQLite::SQLite3 nlohmann_json::nlohmann_json)
+forewalk_unthreaded_test(service/shared_world_test.cpp LIBS forewalk::service)
 forewalk_test(service/rimea_test.cpp LIBS forewalk::service nlohmann_json::nlohmann_json)
 forewalk_program_test(service/cli_test.cpp LIBS nlohmann_json::nlohmann_json)
 
@@ -163,6 +164,17 @@ forewalk_unthreaded_program_test(service/crowd_network_test.cpp LIBS forewalk::s
 
 # Experiments: many walks, their results and report.
 forewalk_test(service/experiment_test.cpp LIBS forewalk::service)
+forewalk_unthreaded_test(service/experiment_users_test.cpp LIBS forewalk::service)
+
+# A job array on a real cluster of this machine; skipped where slurm-wlm or root is missing. Sanitizers
+# have seen what it runs.
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  add_test(NAME Slurm.AnArrayWithAKilledTaskGivesTheBytesOfOneProcess
+    COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/service/slurm_test.sh $<TARGET_FILE:forewalk>
+            ${PROJECT_SOURCE_DIR}/service/experiment/slurm/forewalk-array.sh ${PROJECT_SOURCE_DIR}/assets)
+  set_tests_properties(Slurm.AnArrayWithAKilledTaskGivesTheBytesOfOneProcess PROPERTIES
+    SKIP_RETURN_CODE 77 TIMEOUT 180)
+endif()
 
 # The OpenXR layer, under Debian's loader, with a fake runtime and a client of its own.
 if(TARGET openxr_layer)
