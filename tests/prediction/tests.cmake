@@ -13,6 +13,7 @@ forewalk_test(prediction/distance_field_test.cpp LIBS forewalk::prediction forew
 forewalk_test(prediction/front_graph_test.cpp LIBS forewalk::prediction forewalk::navmesh_build)
 forewalk_test(prediction/front_links_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/front_links_laws_test.cpp LIBS forewalk::prediction)
+forewalk_test(prediction/wall_profile_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/front_order_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/front_allocation_test.cpp LIBS forewalk::prediction)
 forewalk_test(prediction/front_independence_test.cpp LIBS forewalk::prediction forewalk::navmesh_build)
