@@ -29,43 +29,10 @@
 #include "navmesh/links.h"
 #include "navmesh/nav_graph.h"
 #include "prediction/funnel_tree.h"
+#include "prediction/portal_ends.h"
 #include "prediction/prediction_graph.h"
 
 namespace forewalk::prediction {
-
-/// The ends of all portals of a navgraph: which of them are one place that one can turn about, and
-/// which are corners where a shortest path may bend. Two places may have the same coordinates: on
-/// two storeys, or where walkable polygons touch without being joined. Made once, then only read.
-struct PortalEnds {
-  /// Ends of a half-portal as one walks out through it.
-  struct Pair {
-    std::uint32_t left, right;
-  };
-  enum class Kind : std::uint8_t {
-    kOpen,   ///< nothing bends here: walkable all around, or a wall that is straight or hollow
-    kBend,   ///< on the border, walkable over more than half a turn
-    kKnot,   ///< the same, but too thin, too wide or too rounded to be judged by `walls`
-    kPinch,  ///< a portal of no width: one passes from any polygon here into any other
-  };
-  /// A point on each of the two walls that meet in a bend: where the walkable area about it ends
-  /// counter-clockwise, and where it ends clockwise. Metres.
-  struct Walls {
-    glm::vec2 last, first;
-  };
-
-  std::vector<Pair> ofPortal;   ///< per half-portal
-  std::vector<glm::vec2> plan;  ///< per end, metres; the same for all portals that meet there
-  std::vector<float> height;    ///< per end, world y, metres
-  std::vector<Kind> kind;       ///< per end
-  std::vector<Walls> walls;     ///< per end; only bends have them
-  std::uint32_t bendCount = 0;  ///< ends that are not kOpen
-
-  std::uint32_t count() const { return static_cast<std::uint32_t>(plan.size()); }
-};
-
-/// O(n log n) in the half-portals. Ends of portals of one polygon that are closer than a few units
-/// in the last place are one (tile borders are cut in floats).
-PortalEnds makePortalEnds(const navmesh::NavGraph& graph);
 
 /// The part of a polygon that a root sees through the portal that it is entered by.
 struct Window {
@@ -156,6 +123,15 @@ class DistanceField {
   /// The distance of a corner, an index into corners(), not rounded; metres.
   double exactDistance(std::uint32_t corner) const { return cornerDistance_[corner]; }
 
+  /// The end (PortalEnds) that a corner is; kNone for the source, and where links begin and end.
+  std::uint32_t endOf(std::uint32_t corner) const { return cornerEnd_[corner]; }
+
+  /// The sides to which a shortest path that arrives at an end in that direction can bend there.
+  struct Bends {
+    bool left, right;
+  };
+  Bends bendsAt(std::uint32_t end, glm::dvec2 arrival) const;
+
  private:
   /// What is known of a portal end. Reset by walking what the last run touched, never cleared.
   struct EndState {
@@ -175,11 +151,6 @@ class DistanceField {
     double length;               ///< of the ray, where it is within the window
     std::uint32_t end;
   };
-  /// The sides to which a shortest path can bend at an end.
-  struct Bends {
-    bool left, right;
-  };
-
   void reset();
   void addRoot(glm::vec2 plan, float height, double distance, std::uint32_t previous);
   void seeAllFrom(PolygonId polygon);
@@ -198,7 +169,6 @@ class DistanceField {
             glm::dvec2 left, glm::dvec2 right);
   bool goesBack(std::uint32_t entry, glm::dvec2 along, glm::dvec2 a, glm::dvec2 b) const;
   void relax(const Sight& sight, std::uint32_t polygon);
-  Bends bendsAt(std::uint32_t end, glm::dvec2 arrival) const;
   void pushEntry(navmesh::KeyQueue::Entry entry);
   bool isStale(navmesh::KeyQueue::Entry entry) const;
   bool startsAt(std::uint32_t corner) const;
@@ -224,8 +194,9 @@ class DistanceField {
   std::uint32_t rootCorner_ = 0;
 
   std::vector<Corner> corners_;
-  std::vector<double> cornerDistance_;  // as in corners_, not rounded
-  std::vector<Window> windows_;         // the first windowCount_ are in use
+  std::vector<double> cornerDistance_;    // as in corners_, not rounded
+  std::vector<std::uint32_t> cornerEnd_;  // as in corners_
+  std::vector<Window> windows_;           // the first windowCount_ are in use
   std::uint32_t windowCount_ = 0;
   std::vector<std::uint32_t> first_;  // per polygon: its first window
   std::vector<PolygonId> reached_;    // the first reachedCount_ are in use

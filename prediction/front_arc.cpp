@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace forewalk::prediction {
 
@@ -10,6 +11,17 @@ namespace {
 glm::vec2 turned(glm::vec2 v, float cosine, float sine) {
   return {cosine * v.x - sine * v.y, sine * v.x + cosine * v.y};
 }
+
+// Four numbers worked out at once, which compilers do not find of themselves here.
+using Four = float __attribute__((vector_size(16)));
+using FourMasks = std::int32_t __attribute__((vector_size(16)));
+
+Four all(float value) { return Four{value, value, value, value}; }
+Four chosen(FourMasks mask, Four a, Four b) {
+  return Four((mask & FourMasks(a)) | (~mask & FourMasks(b)));
+}
+Four larger(Four a, Four b) { return chosen(a > b, a, b); }
+Four smaller(Four a, Four b) { return chosen(a < b, a, b); }
 
 /// Evenly spaced points along the arc from the first of `points`, which is known, to `b`, on the
 /// circle that goes on through `c`.
@@ -62,17 +74,29 @@ FrontLine frontLine(const PredictionGraph& graph, std::size_t order) {
 }
 
 float distanceToLine(glm::vec2 point, std::span<const glm::vec2> line) {
-  float least = glm::dot(point - line[0], point - line[0]);
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const glm::vec2 along = line[i] - line[i - 1];
-    const glm::vec2 to = point - line[i - 1];
-    const float squared = glm::dot(along, along);
-    const float share =
-        squared > 0.0f ? std::clamp(glm::dot(to, along) / squared, 0.0f, 1.0f) : 0.0f;
-    const glm::vec2 off = to - share * along;
-    least = std::min(least, glm::dot(off, off));
+  const glm::vec2 first = line[0] - point;
+  const float toFirst = glm::dot(first, first);
+  const std::size_t pieces = line.size() - 1;
+  Four least = all(toFirst);
+  for (std::size_t begin = 0; begin < pieces; begin += 4) {
+    Four x, y, nextX, nextY;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t i = std::min(begin + k, pieces - 1);
+      x[k] = line[i].x;
+      y[k] = line[i].y;
+      nextX[k] = line[i + 1].x;
+      nextY[k] = line[i + 1].y;
+    }
+    const Four alongX = nextX - x, alongY = nextY - y;
+    const Four toX = all(point.x) - x, toY = all(point.y) - y;
+    constexpr float kTiny = 1e-36f;  // square metres: two points that are one
+    const Four length = larger(alongX * alongX + alongY * alongY, all(kTiny));
+    const Four dot = toX * alongX + toY * alongY;
+    const Four share = smaller(larger(dot / length, all(0.0f)), all(1.0f));
+    const Four offX = toX - share * alongX, offY = toY - share * alongY;
+    least = smaller(least, offX * offX + offY * offY);
   }
-  return std::sqrt(least);
+  return std::sqrt(std::min(std::min(least[0], least[1]), std::min(least[2], least[3])));
 }
 
 }  // namespace forewalk::prediction

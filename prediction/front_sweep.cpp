@@ -16,13 +16,21 @@ using navmesh::NavGraph;
 
 namespace {
 
-/// How long before an event the front is followed, as distance; metres. Over it, rounding in what
-/// was measured does not show.
-constexpr double kBefore = 2e-5;
-
 /// A piece of the front that is about to end is shorter than this then, metres; one that is about
 /// to close around a pillar, and the place that it set out from, is longer.
 constexpr double kLastPiece = 0.25;
+
+/// Whether a highest place within a wall is one of all that is about it: where the fronts of the
+/// two roots would meet in the open, that is off the wall, and between does not lead farther away.
+bool isPeak(const WallProfile::Sample& high, const CellMesh::Line& wall) {
+  constexpr double kBeside = 2e-3;  // metres; nearer than that it may be the meeting itself
+  if (high.before == nullptr) return false;
+  const dvec2 between = high.after->root - high.before->root;
+  const double gap = glm::length(between);
+  const double half = 0.5 * (gap + high.after->distance - high.before->distance);
+  const dvec2 place = high.before->root + half / gap * between;
+  return cross(wall.along, place - wall.from) > kBeside;
+}
 
 /// The point with the largest x of a piece that was followed rightwards.
 dvec2 rightmostOf(const FrontPiece& piece) {
@@ -61,6 +69,15 @@ FrontSweep::FrontSweep(const NavGraph& graph, const PortalEnds& ends, const Cell
   seeds_.reserve(64);
   entered_.reserve(64);
   pieces_.reserve(256);
+  roots_.reserve(walls, walls);
+  wallAt_.assign(ends.count(), kNone);
+  std::vector<bool> several(ends.count());
+  for (std::uint32_t wall = 0; wall < cells.walls.size(); ++wall) {
+    const std::uint32_t vertex = cells.edges[cells.walls[wall].edge].from;
+    if (vertex >= ends.count() || several[vertex]) continue;
+    several[vertex] = wallAt_[vertex] != kNone;
+    wallAt_[vertex] = several[vertex] ? kNone : wall;
+  }
 }
 
 void FrontSweep::run(const DistanceField& field, const navmesh::Location& source, float horizon) {
@@ -84,6 +101,10 @@ void FrontSweep::run(const DistanceField& field, const navmesh::Location& source
   addArc(addEvent(dvec2(source.plan), source.polygon, 0.0f), {kNone, kNone});
   seeds_.push_back({0, 0, false});
   listEvents();
+  // What comes out of links is closed, and roots about it are in no row.
+  ordered_ = field.passages().empty();
+  if (ordered_) roots_.start(field.corners().size(), walls_.stretches().size());
+  admitted_ = 1;
   const std::size_t links = 2 * field.passages().size();
   const std::size_t extremes = walls_.extremes().size();
   for (const Key key : order_) {
@@ -93,6 +114,7 @@ void FrontSweep::run(const DistanceField& field, const navmesh::Location& source
       continue;
     }
     number -= static_cast<std::uint32_t>(links);
+    if (ordered_) admitRoots(KeyQueue::keyOf(key));
     if (number >= extremes) {
       meet(meetings_[number - extremes]);
     } else if (const WallProfile::Extreme& extreme = walls_.extremes()[number]; extreme.low) {
@@ -176,77 +198,6 @@ void FrontSweep::listEvents() {
   std::sort(order_.begin(), order_.end());
 }
 
-// --- Which piece of the front it is ---
-
-/// The place a little toward the root of the view that comes to `place`.
-FrontSweep::Spot FrontSweep::spotBefore(dvec2 place, float value, PolygonId polygon,
-                                        const View* view) const {
-  Spot spot{polygon, view, place, static_cast<double>(value)};
-  if (view == nullptr) return spot;
-  const dvec2 ray = place - view->root;
-  const double radius = glm::length(ray);
-  const double before = std::min(kBefore, 0.5 * radius);
-  if (radius > 0.0) spot.at = view->root + (radius - before) / radius * ray;
-  spot.level = view->distance + radius - before;
-  return spot;
-}
-
-/// The same at a place on a wall, by the view that comes along the border, or goes on along it.
-FrontSweep::Spot FrontSweep::spotAt(const WallProfile::Sample& sample, bool after) const {
-  const dvec2 place = walls_.placeOf(sample);
-  if (sample.before != nullptr) {
-    return spotBefore(place, sample.value, walls_.polygonOf(sample),
-                      after ? sample.after : sample.before);
-  }
-  const std::uint32_t vertex = mesh_->edges[mesh_->walls[sample.wall].edge].from;
-  PolygonId polygon = walls_.polygonOf(sample);
-  if (vertex < ends_->count() && field_->cornerBeforeEnd(vertex) != kNone) {
-    polygon = field_->polygonBeforeEnd(vertex);
-  }
-  return spotBefore(place, sample.value, polygon, nearestOf(views_.of(polygon), place).view);
-}
-
-/// The arc that a followed front ends: its left end lies on a stretch that runs against the
-/// border's direction, its right end on one along it. Near an extreme rounding may lead to the
-/// stretch beside.
-std::uint32_t FrontSweep::arcOn(const FrontEnd& end, bool left) const {
-  if (end.how != FrontEnd::How::kWall) return kNone;
-  const std::uint32_t sample = walls_.sampleBefore(end.wall, end.along);
-  if (sample == kNone) return kNone;
-  const WallProfile::Sample& found = walls_.samples()[sample];
-  for (const std::uint32_t s : {sample, found.next, found.previous}) {
-    if (s == kNone) continue;
-    const std::uint32_t stretch = walls_.samples()[s].stretch;
-    if (stretch == kNone || (stretch % 2 == 0) != left) continue;
-    if (arcOf_[stretch] != kNone) return arcOf_[stretch];
-  }
-  return kNone;
-}
-
-/// The arc that passes at a spot, followed one way, or where that is not clear the other.
-std::uint32_t FrontSweep::arcAt(const Spot& spot, Direction direction) {
-  if (alive_.empty()) return kNone;
-  if (alive_.size() == 1) return alive_.front();
-  if (spot.view != nullptr) {
-    // Right where a front sets out it is too small to be followed.
-    if (seeds_.size() > 1) {
-      const Seed& seed = seeds_[seedOf(spot.view->corner)];
-      if (!seed.opened && seed.arc != kNone && !hasPockets()) return seed.arc;
-    }
-    for (int tries = 0; tries < 2; ++tries) {
-      const FrontEnd end = trace_.follow(spot.polygon, *spot.view, spot.at, spot.level, direction);
-      const std::uint32_t arc = end.how == FrontEnd::How::kClosed
-                                    ? closedArc(spot)
-                                    : arcOn(end, direction == Direction::kLeftwards);
-      if (arc != kNone) return arc;
-      direction =
-          direction == Direction::kLeftwards ? Direction::kRightwards : Direction::kLeftwards;
-    }
-  }
-  ++doubts_;
-  return alive_.front();
-}
-
 // --- What happens ---
 
 std::uint32_t FrontSweep::addEvent(dvec2 place, PolygonId polygon, float distance) {
@@ -278,9 +229,17 @@ void FrontSweep::touch(const WallProfile::Extreme& low) {
   const std::uint32_t against = low.stretch;
   const std::uint32_t along = low.stretch + 1;
   const Spot spot = spotAt(sample, false);
-  // To the side that is less deep it is not far to a wall.
-  const bool right = walls_.stretches()[against].top < walls_.stretches()[along].top;
-  const std::uint32_t arc = arcAt(spot, right ? Direction::kRightwards : Direction::kLeftwards);
+  dvec2 direction(0.0);
+  const std::uint32_t sector = sectorTouching(sample, spot, direction);
+  std::uint32_t arc = arcOfSector(sector);
+  if (arc == kNone) {
+    // To the side that is less deep it is not far to a wall.
+    const bool right = walls_.stretches()[against].top < walls_.stretches()[along].top;
+    arc = arcAt(spot, right ? Direction::kRightwards : Direction::kLeftwards);
+  }
+  ordered_ =
+      ordered_ && arc != kNone && sector != kNone && roots_.leftEndOf(sector) == endsOf_[arc].left;
+  if (ordered_) roots_.split(sector, direction, against, along);
   if (arc == kNone) {
     addArc(0, {against, along});
     return;
@@ -329,8 +288,11 @@ void FrontSweep::close(const WallProfile::Extreme& high) {
   const std::uint32_t second = arcOf_[sample.stretch];  // its left end comes against it
   arcOf_[along] = arcOf_[sample.stretch] = kNone;
   if (first == kNone || second == kNone) return;
+  ordered_ = ordered_ && roots_.join(along, sample.stretch);
+  const std::uint32_t edge = mesh_->walls[sample.wall].edge;
   const Spot before = spotAt(sample, false);
-  if (first == second && !isHollow(sample) && closesAround(before)) {
+  if (first == second && !isHollow(sample) && !isPeak(sample, mesh_->lines[edge]) &&
+      closesAround(before)) {
     endsOf_[first] = {kNone, kNone};
     seeds_[seedOf(before.view->corner)].arc = first;
     return;
@@ -349,12 +311,22 @@ void FrontSweep::close(const WallProfile::Extreme& high) {
 /// Two fronts meet in the open, or one meets itself: left of the place they go on as one piece, and
 /// right of it as another.
 void FrontSweep::meet(const Meeting& meeting) {
-  const auto sideOf = [&](int side) {
-    return arcAt(spotBefore(meeting.place, meeting.value, meeting.polygon, meeting.sides[side]),
-                 Direction::kLeftwards);
-  };
-  const std::uint32_t a = sideOf(0);
-  const std::uint32_t b = sideOf(1);
+  std::uint32_t arcs[2], sectors[2];
+  dvec2 rays[2];
+  for (int side = 0; side < 2; ++side) {
+    const View& view = *meeting.sides[side];
+    rays[side] = meeting.place - view.root;
+    sectors[side] = ordered_ ? roots_.sectorOf(view.corner, rays[side]) : kNone;
+    arcs[side] = arcOfSector(sectors[side]);
+    if (arcs[side] != kNone) continue;
+    arcs[side] = arcAt(spotBefore(meeting.place, meeting.value, meeting.polygon, &view),
+                       Direction::kLeftwards);
+    ordered_ = ordered_ && arcs[side] != kNone && sectors[side] != kNone &&
+               roots_.leftEndOf(sectors[side]) == endsOf_[arcs[side]].left;
+  }
+  const auto [a, b] = arcs;
+  ordered_ = ordered_ && sectors[0] != sectors[1];
+  if (ordered_) roots_.meet(sectors[0], rays[0], sectors[1], rays[1]);
   if (a == kNone || b == kNone) return;
   const std::uint32_t event = addEvent(meeting.place, meeting.polygon, meeting.value);
   const Ends endsA = endsOf_[a];

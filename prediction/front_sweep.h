@@ -9,8 +9,10 @@
 // piece of the front ends on two walls, so all that can happen to it is known from the walls: where
 // the distance along one is lowest, the front touches it and splits; where it is highest, the two
 // pieces that ran toward each other along it meet, or one piece dies. Apart from that, fronts from
-// two sides may meet in the open. Which piece it is that touches a wall is found by following the
-// front from there to the walls that it ends on (front_trace.h).
+// two sides may meet in the open. Which piece it is that touches a wall is known from the roots
+// that it is about and their order along it (front_order.h), or, where fronts are closed or roots
+// are in doubt, found by following the front from there to the walls that it ends on
+// (front_trace.h).
 //
 // Where the front comes to the entry of a link that shortest paths lead through, the ways part: one
 // goes on over the floor, the other through the link, and when it comes out of the exit it is a
@@ -25,6 +27,7 @@
 #include "navmesh/key_queue.h"
 #include "prediction/cell_mesh.h"
 #include "prediction/distance_field.h"
+#include "prediction/front_order.h"
 #include "prediction/front_trace.h"
 #include "prediction/views.h"
 #include "prediction/wall_profile.h"
@@ -116,6 +119,11 @@ class FrontSweep {
   Spot spotBefore(glm::dvec2 place, float value, PolygonId polygon, const View* view) const;
   Spot spotAt(const WallProfile::Sample& sample, bool after) const;
   std::uint32_t arcAt(const Spot& spot, Direction direction);
+  std::uint32_t sectorTouching(const WallProfile::Sample& sample, const Spot& spot,
+                               glm::dvec2& direction) const;
+  std::uint32_t arcOfSector(std::uint32_t sector) const;
+  void admitRoots(float upTo);
+  void admitRoot(std::uint32_t corner);
   std::uint32_t arcOn(const FrontEnd& end, bool left) const;
   std::uint32_t closedArc(const Spot& spot);
   std::uint32_t seedOf(std::uint32_t corner) const;
@@ -151,6 +159,12 @@ class FrontSweep {
   Views views_;
   WallProfile walls_;
   FrontTrace trace_;
+
+  FrontOrder roots_;
+  bool ordered_ = false;               // roots_ is right so far
+  std::uint32_t admitted_ = 0;         // so many corners of the field are among them
+  std::vector<std::uint32_t> wallAt_;  // per end of portals: the wall that begins there; kNone
+                                       // where none does, or several
 
   std::vector<Meeting> meetings_;
   std::vector<Key> order_;            // of passages, extremes, then meetings, by number

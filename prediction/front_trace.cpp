@@ -228,11 +228,18 @@ dvec2 pointOn(const FrontPiece& piece, double share) {
   const double radius = glm::length(piece.from - root);
   dvec2 from = piece.from - root;
   dvec2 to = piece.to - root;
-  for (int i = 0; i < 12 && radius > 0.0; ++i) {
-    const dvec2 sum = from + to;
-    const double length = glm::length(sum);
-    if (length < 1e-9 * radius) break;  // half a turn: either side is as good
-    const dvec2 middle = radius / length * sum;
+  double turn = radius > 0.0 ? piece.length / radius : 0.0;  // radians, left of it
+  for (int i = 0; i < 12 && radius > 0.0 && share > 0.0; ++i) {
+    dvec2 middle = from + to;
+    const double length = glm::length(middle);
+    if (length > 1e-6 * radius) {
+      middle *= (turn > 0.5 * kTurn ? -radius : radius) / length;
+    } else if (turn > 0.25 * kTurn) {
+      middle = -turnedLeft(from);  // half a turn, rightwards
+    } else {
+      break;
+    }
+    turn *= 0.5;
     if (share < 0.5) {
       to = middle;
       share *= 2;

@@ -56,7 +56,7 @@ class FrontTrace {
   const Views* views_;
 };
 
-/// The point of a piece at `share` of its length, 0 to 1.
+/// The point of a piece that was followed rightwards at `share` of its length, 0 to 1.
 glm::dvec2 pointOn(const FrontPiece& piece, double share);
 
 }  // namespace forewalk::prediction

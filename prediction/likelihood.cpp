@@ -12,8 +12,9 @@ constexpr double kFollowSeconds = 0.2;  // of WalkingMotion
 constexpr double kMoving = 0.1;         // m/s; below, directions are noise
 constexpr double kPause = 1.0;          // seconds; a longer frame is a pause
 constexpr float kNear = 1.0f, kFar = 3.0f;
-constexpr double kSeen = 0.75;     // metres; who was so close has been there
-constexpr double kRecent = 6.0;    // metres walked
+constexpr double kSeen = 0.75;   // metres; who was so close has been there
+constexpr double kRecent = 6.0;  // metres walked
+constexpr double kLog2 = 0.693147180559945309417232;
 constexpr double kNothing = -1e9;  // log probability of what cannot be
 
 glm::dvec2 unit(glm::dvec2 v) {
@@ -125,12 +126,13 @@ void WayFilter::step(std::span<const WayFacts> ways, const Walked& walked,
   const bool walks = glm::dot(walked.direction, walked.direction) > 0.0;
   const double keepLook = std::exp(-walked.seconds / p.lookSeconds);
 
-  const double normal = logBessel0(p.concentration);
-  const double headNormal = logBessel0(p.head);
-  const double gazeNormal = logBessel0(p.gaze);
+  const double normal = walks ? logBessel0(p.concentration) : 0.0;
+  const double headNormal = walked.head ? logBessel0(p.head) : 0.0;
+  const double gazeNormal = walked.gaze ? logBessel0(p.gaze) : 0.0;
   next_.clear();
   probabilities_.clear();
-  double most = std::log(p.noneShare);
+  const double logNone = std::log(p.noneShare);
+  double most = logNone;
   for (const WayFacts& way : ways) {
     const glm::dvec2 ahead = unit((1.0 - p.farShare) * way.near + p.farShare * way.far);
     const double said =
@@ -161,7 +163,7 @@ void WayFilter::step(std::span<const WayFacts> ways, const Walked& walked,
     probabilities_.push_back(log);
     most = std::max(most, log);
   }
-  none_ = std::exp(std::log(p.noneShare) - most);
+  none_ = std::exp(logNone - most);
   double sum = none_;
   for (double& log : probabilities_) {
     log = std::exp(log - most);
@@ -216,7 +218,11 @@ void WayLikelihood::update(const PredictionGraph& graph, const Evidence& evidenc
     facts.deadEnd = node.reason != TerminalReason::kHorizon;
     for (NodeId at = node.prev; at != kNoNode; at = graph.node(at).prev) {
       const std::uint32_t children = graph.node(at).childCount;
-      if (children > 1) facts.branchLog += std::log(static_cast<double>(children));
+      if (children == 2) {
+        facts.branchLog += kLog2;  // as most branches
+      } else if (children > 2) {
+        facts.branchLog += std::log(static_cast<double>(children));
+      }
     }
     const PathSoFar::Been been = path_.beenAt(node.plan);
     facts.retrace = been.recent;

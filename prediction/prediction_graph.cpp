@@ -124,16 +124,21 @@ WayPoint pointAlong(const PredictionGraph& graph, NodeId id, float s) {
   const Node& node = graph.node(id);
   WayPoint point{node.plan, node.height, glm::vec2(0.0f)};
   s = std::clamp(s, 0.0f, node.distance);
+  // The piece that holds s is the last one that is visited.
+  Piece last{};
+  glm::vec2 walk(0.0f);
   forEachPieceBackwards(graph, node, [&](const Piece& piece) {
-    const float length = piece.toDistance - piece.fromDistance;
-    const float share = std::max(0.0f, s - piece.fromDistance) / length;
-    point.plan = piece.from + share * (piece.to - piece.from);
-    point.height = piece.fromHeight + share * (piece.toHeight - piece.fromHeight);
-    const glm::vec2 walk = piece.to - piece.from;
-    const float walked = glm::length(walk);
-    if (walked > 0.0f) point.direction = walk / walked;
-    return piece.fromDistance > s;  // goes on until the piece holds s
+    last = piece;
+    if (piece.to != piece.from) walk = piece.to - piece.from;
+    return piece.fromDistance > s;
   });
+  const float length = last.toDistance - last.fromDistance;
+  if (!(length > 0.0f)) return point;
+  const float share = std::max(0.0f, s - last.fromDistance) / length;
+  point.plan = last.from + share * (last.to - last.from);
+  point.height = last.fromHeight + share * (last.toHeight - last.fromHeight);
+  const float walked = glm::length(walk);
+  if (walked > 0.0f) point.direction = walk / walked;
   return point;
 }
 

@@ -48,8 +48,10 @@ WayTracker::Tail WayTracker::tailOf(const PredictionGraph& graph, std::size_t or
         s > 0.0f ? pointAlong(graph, terminal, s).plan : graph.source.plan;
   }
   tail.front = frontLine(graph, order);
+  tail.low = tail.high = tail.front[0];
   for (const glm::vec2 point : tail.front) {
-    tail.reach = std::max(tail.reach, glm::distance(point, node.plan));
+    tail.low = glm::min(tail.low, point);
+    tail.high = glm::max(tail.high, point);
   }
   tail.branch = branch.plan;
   tail.height = node.height;
@@ -60,36 +62,56 @@ WayTracker::Tail WayTracker::tailOf(const PredictionGraph& graph, std::size_t or
   return tail;
 }
 
-float WayTracker::apartFrom(const Tail& a, const Tail& b) {
-  return std::min(distanceToLine(a.points[0], b.front), distanceToLine(b.points[0], a.front));
+/// How far a place is from the front that a way ends in.
+float WayTracker::distanceToFront(glm::vec2 place, const Tail& tail) {
+  return tail.low == tail.high ? glm::distance(place, tail.low) : distanceToLine(place, tail.front);
 }
 
-float WayTracker::cost(const Tail& before, const Tail& now, float moved) {
-  const float apart = apartFrom(before, now);
-  // Where ends lie close by they tell two ways apart that run side by side; the tails do where an
-  // end has run ahead.
-  const float end = std::max(0.0f, apart - moved);
-  const float along = std::min({distanceToLine(before.points[0], now.points),
-                                distanceToLine(now.points[0], before.points), apart});
-  float price = 0.5f * (end + along) + (before.deadEnd != now.deadEnd ? kOtherReason : 0.0f);
+/// What it costs to take two tails for those of one way; where that is more than the gate, some
+/// cost that is, too.
+float WayTracker::cost(const Tail& before, const Tail& now, float moved) const {
   const auto goesOn = [](const Tail& met, const Tail& beyond) {
     return met.isMeeting && beyond.isShort && beyond.fromJoin
                ? glm::distance(met.points[0], beyond.branch) + kBeyondMeeting
                : std::numeric_limits<float>::infinity();
   };
-  price = std::min({price, goesOn(before, now), goesOn(now, before)});
-  return price;
+  const float beyond = std::min(goesOn(before, now), goesOn(now, before));
+  const float apart =
+      std::min(distanceToFront(before.points[0], now), distanceToFront(now.points[0], before));
+  // Where ends lie close by they tell two ways apart that run side by side; the tails do where an
+  // end has run ahead.
+  const float end = std::max(0.0f, apart - moved);
+  if (0.5f * end > settings_.gate) return beyond;
+  const float along = apart == 0.0f
+                          ? 0.0f
+                          : std::min({distanceToLine(before.points[0], now.points),
+                                      distanceToLine(now.points[0], before.points), apart});
+  const float price = 0.5f * (end + along) + (before.deadEnd != now.deadEnd ? kOtherReason : 0.0f);
+  return std::min(price, beyond);
+}
+
+/// Whether a pair of ways cannot but cost more than the gate: by the boxes that their fronts lie
+/// in, which are farther from the ends than may be.
+bool WayTracker::isFar(const Tail& before, const Tail& now, float moved) const {
+  constexpr float kRounding = 1e-3f;  // metres
+  const float most = 2.0f * settings_.gate + moved + kRounding;
+  const auto isBeyond = [most](glm::vec2 end, const Tail& tail) {
+    const glm::vec2 off = end - glm::clamp(end, tail.low, tail.high);
+    return glm::dot(off, off) > most * most;
+  };
+  const auto mayGoOn = [](const Tail& met, const Tail& beyond) {
+    return met.isMeeting && beyond.isShort && beyond.fromJoin;
+  };
+  return isBeyond(before.points[0], now) && isBeyond(now.points[0], before) &&
+         !mayGoOn(before, now) && !mayGoOn(now, before);
 }
 
 /// Lists what a known way may go on as.
 void WayTracker::pairUp(std::uint32_t k, float moved) {
   const Tail& before = known_[k].tail;
-  const float reach = settings_.gate + kTailStep * (kTail - 1) + kShort + moved;
   for (std::uint32_t i = 0; i < tails_.size(); ++i) {
     const Tail& now = tails_[i];
-    const glm::vec2 between = before.points[0] - now.points[0];
-    const float most = reach + std::max(before.reach, now.reach);
-    if (glm::dot(between, between) > most * most) continue;
+    if (isFar(before, now, moved + known_[k].gone)) continue;
     if (std::abs(before.height - now.height) > kStorey) continue;
     const float price = cost(before, now, moved + known_[k].gone);
     if (price > settings_.gate) continue;

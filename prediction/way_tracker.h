@@ -94,9 +94,9 @@ class WayTracker {
   struct Tail {
     std::array<glm::vec2, kTail> points;  // its last metre, the end first
     FrontLine front;
-    float reach;       // no point of the front is farther from the end, metres
-    glm::vec2 branch;  // where it left the others
-    float height;      // of the end
+    glm::vec2 low, high;  // the box that the front lies in
+    glm::vec2 branch;     // where it left the others
+    float height;         // of the end
     bool deadEnd;
     bool isShort;   // it has hardly left the others
     bool fromJoin;  // ways came together where it begins
@@ -117,8 +117,9 @@ class WayTracker {
   };
 
   static Tail tailOf(const PredictionGraph& graph, std::size_t order);
-  static float apartFrom(const Tail& a, const Tail& b);
-  static float cost(const Tail& before, const Tail& now, float moved);
+  static float distanceToFront(glm::vec2 place, const Tail& tail);
+  float cost(const Tail& before, const Tail& now, float moved) const;
+  bool isFar(const Tail& before, const Tail& now, float moved) const;
   void pairUp(std::uint32_t known, float moved);
   void nameAll();
   void giveUp(float moved, bool offMesh);

@@ -19,6 +19,7 @@
 #include "prediction/likelihood.h"
 #include "tests/support/count_allocations.h"
 #include "tests/support/counted_ways.h"
+#include "tests/support/linked_fronts.h"
 #include "tests/support/linked_world.h"
 #include "tests/support/map_mesh.h"
 #include "tests/support/random_mesh.h"
@@ -37,66 +38,15 @@ using navmesh::NavGraph;
 using navmesh::PolygonMesh;
 using navmesh::PolygonStates;
 using testing::Cutting;
+using testing::expectSame;
+using testing::Linked;
+using testing::meshOf;
+using testing::randomLinks;
+using testing::seenIn;
 using testing::statesOf;
 using testing::Ways;
 using testing::waysOf;
 using testing::worldOf;
-
-/// A floor and its links, and graphs by fronts on it.
-struct Linked {
-  explicit Linked(const PolygonMesh& mesh, const std::vector<Link>& links = {})
-      : world(worldOf(mesh)) {
-    set(links);
-  }
-  Linked(const Linked&) = delete;
-
-  void set(const std::vector<Link>& links) { set(statesOf(world, links)); }
-  void set(PolygonStates to) {
-    scratch.reset();
-    states = std::move(to);
-    index = makeFrontIndex(world.graph, &states);
-    scratch = std::make_unique<FrontScratch>(world.graph, index);
-  }
-
-  Location at(glm::vec3 place) const {
-    return *navmesh::locate(world.graph, world.locations, place, navmesh::kLinkSnap);
-  }
-  const PredictionGraph& from(const Location& source, float horizon, float persistence = 0.75f) {
-    return predictFronts(world.graph, source, horizon, *scratch, {persistence});
-  }
-  const DistanceField& distances() const { return scratch->distances(); }
-
-  navmesh::World world;
-  PolygonStates states;
-  FrontIndex index;
-  std::unique_ptr<FrontScratch> scratch;
-};
-
-/// Holes, triangles, merged polygons.
-PolygonMesh meshOf(std::uint64_t seed, int columns = 9, int rows = 8) {
-  testing::RandomMeshOptions options;
-  options.holeShare = 0.05 * static_cast<double>(seed % 6);
-  options.mergeShare = 0.1 * static_cast<double>(seed % 9);
-  options.splitShare = 0.15 * static_cast<double>(seed % 5);
-  options.jitter = seed % 3 == 0 ? 0.0 : 0.2;
-  return testing::randomMesh(seed, columns, rows, options);
-}
-
-/// `count` links between places of the ground.
-std::vector<Link> randomLinks(const navmesh::World& world, int count, std::uint64_t seed,
-                              float longest) {
-  std::mt19937_64 rng(seed);
-  const auto places = testing::randomStarts(world.graph, 2 * count, seed + 1000);
-  std::vector<Link> links;
-  for (int i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(2 * i);
-    links.push_back({LinkId{static_cast<std::uint32_t>(i)}, places[k].position(),
-                     places[k + 1].position(),
-                     static_cast<float>(navmesh::uniform(rng, 0.0, longest)),
-                     navmesh::uniformInt(rng, 2) == 0, true});
-  }
-  return links;
-}
 
 // --- Distances ---
 
@@ -164,39 +114,6 @@ TEST(FrontLinks, ShortenDistancesAsEveryWayOfUsingThemDoes) {
 }
 
 // --- Ways ---
-
-using Seen = std::tuple<float, float, float, int, int, bool>;  // distance, place, kind, reason
-
-std::vector<Seen> seenIn(const PredictionGraph& graph, float addedDistance = 0.0f) {
-  std::vector<Seen> seen;
-  for (const Node& node : graph.nodes) {
-    if (node.kind == NodeKind::kSource) continue;
-    seen.emplace_back(node.distance + addedDistance, node.plan.x, node.plan.y,
-                      static_cast<int>(node.kind), static_cast<int>(node.reason), node.branch);
-  }
-  std::sort(seen.begin(), seen.end());
-  return seen;
-}
-
-void expectSame(const std::vector<Seen>& a, const std::vector<Seen>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  std::vector<bool> taken(b.size(), false);
-  for (const auto& one : a) {
-    bool found = false;
-    for (std::size_t i = 0; i < b.size() && !found; ++i) {
-      if (taken[i] || std::get<3>(one) != std::get<3>(b[i]) ||
-          std::get<4>(one) != std::get<4>(b[i]) || std::get<5>(one) != std::get<5>(b[i]) ||
-          std::abs(std::get<0>(one) - std::get<0>(b[i])) > 2e-3f ||
-          std::abs(std::get<1>(one) - std::get<1>(b[i])) > 2e-2f ||
-          std::abs(std::get<2>(one) - std::get<2>(b[i])) > 2e-2f) {
-        continue;
-      }
-      taken[i] = found = true;
-    }
-    ASSERT_TRUE(found) << "a node of kind " << std::get<3>(one) << " at " << std::get<0>(one)
-                       << " m, (" << std::get<1>(one) << ", " << std::get<2>(one) << ")";
-  }
-}
 
 /// From an entry a link leads to what is seen from its exit, with the horizon as much shorter as
 /// the link is long: in another room nothing else comes there.
