@@ -20,8 +20,9 @@
 // build, start.
 // - rooms: a file with a tracked space, or an object of `name` and the keys of forewalk.space/1.
 // - users: an object of `name` and the keys of `user`.
-// - controllers: as in a simulation. resets, limits: likewise, or an object of `name` and the keys
-//   of `reset` or `limits`.
+// - controllers: as in a simulation, or an object of `name` and any keys of a simulation: a
+//   controller with the reset that goes with it.
+// - resets, limits: as in a simulation, or an object of `name` and the keys of `reset` or `limits`.
 // - variants: an object of `name` and any keys of a simulation.
 // - seeds: how many (1, 2, ...), or a list of them.
 // - traces: "none", "first" (of the seeds) or "all": whose frames are written as CSV.
