@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets forewalk up on Debian 12 and runs it: ./forewalk.sh demo | test | test all | bench | wasm | help
+# Sets forewalk up on Debian 12 and runs it: ./forewalk.sh demo | test | test all | bench | compare | wasm | help
 #
 # Installs what is missing (as root, or through sudo), builds below build/, runs. Doing it again does only
 # what is left to do. Takes no question; a step that fails is named, with what to look at.
@@ -25,6 +25,7 @@ help() {
 ./forewalk.sh test      build and run the tests, optimised (minutes)
 ./forewalk.sh test all  the same, then with ASan and UBSan, then the threaded ones with TSan (longer)
 ./forewalk.sh bench     build and run the benchmarks
+./forewalk.sh compare   every controller against foresight and the ceiling: out/comparison/index.html (half an hour)
 ./forewalk.sh wasm      build the package for browsers and node, build/wasm/service/wasm/package
 ./forewalk.sh help      this text
 
@@ -194,12 +195,66 @@ bench() {
   done
 }
 
+# One plan for all recorded walks: a variant each, its scene where it has one.
+recorded_walks_plan() {  # recorded_walks_plan FOLDER
+  local folder scene walker separator=""
+  printf '{"format": "forewalk.experiment/1", "name": "recorded walks", "traces": "none",\n'
+  printf ' "walk": {"rate_hz": 30, "horizon_m": 10, "predict_always": false},\n "rooms": ['
+  printf '{"name": "4 x 4 m", "rectangle": [4, 4]}, {"name": "6 x 6 m", "rectangle": [6, 6]}, '
+  printf '{"name": "10 x 10 m", "rectangle": [10, 10]}],\n'
+  sed -n '/"controllers"/,/\]/p' assets/experiments/plane.json
+  printf ' "limits": ["toolkit", "steinicke"], "variants": [\n'
+  for folder in "$1"/*/; do
+    scene=""
+    [ -f "${folder}scene.obj" ] && scene="\"scene\": \"${folder}scene.obj\", "
+    while read -r walker; do
+      printf '%s  {"name": "%s %s", %s"user": {"kind": "recorded", "walks": "%swalks.csv", "walker": "%s"}}' \
+        "$separator" "$(basename "$folder")" "$walker" "$scene" "$folder" "$walker"
+      separator=$',\n'
+    done < <(awk -F, 'NR > 1 && !seen[$1]++ { print $1 }' "${folder}walks.csv")
+  done
+  printf ']}\n'
+}
+
+compare() {
+  local out=out/comparison walks=${FOREWALK_SHARED_DATA:-../shared/data}/walks plan name
+  local plans=(assets/experiments/plane.json assets/experiments/buildings.json) sets=()
+  mkdir -p "$out"
+  if [ -d "$walks" ]; then
+    recorded_walks_plan "$(cd "$walks" && pwd)" >"$out/walks.json"
+    plans=("$out/walks.json" "${plans[@]}")
+  else
+    echo "no recorded walks at $walks: compared without them (FOREWALK_SHARED_DATA says where they are)"
+  fi
+  steps=$((4 + ${#plans[@]}))
+  begin "installing what is missing"
+  install_packages "${PACKAGES[@]}"
+  begin "configuring"
+  configure release
+  begin "building the forewalk command and steering_comparison"
+  build release forewalk steering_comparison
+  for plan in "${plans[@]}"; do
+    name=$(basename "$plan" .json)
+    begin "walking $plan"
+    build/release/service/forewalk experiment "$plan" --out "$out/$name" "$@" ||
+      fail "The line above says why. The same command goes on from here."
+    # A page of every recorded walk for itself would say little.
+    [ "$name" = walks ] || build/release/service/forewalk report "$out/$name" || fail "The line above says why."
+    sets+=("$plan=$out/$name")
+  done
+  begin "finding the ceiling"
+  build/release/bench/steering_comparison "${sets[@]}" --out "$out" || fail "The line above says why."
+  echo
+  echo "The page: $PWD/$out/index.html"
+}
+
 verb=${1:-help}
 [ $# -gt 0 ] && shift
 case "$verb" in
   demo) demo "$@" ;;
   test) run_all_tests "$@" ;;
   bench) bench "$@" ;;
+  compare) compare "$@" ;;
   wasm) wasm ;;
   help | -h | --help) help ;;
   *)

@@ -59,7 +59,10 @@ class Foresight final : public Controller {
       turned_ = 0.0;
       return {};
     }
-    const bool turning = scaled > bent && !(motion.walking && motion.speed > kStroll);
+    const bool turning =
+        scaled > bent &&
+        (!motion.walking ||
+         (motion.speed < kStroll && std::abs(motion.turnRate) > kTightestBend * motion.speed));
     turned_ = turning ? turned_ + motion.turn / std::max(0.1, rotation_) : 0.0;
     if (turning != turning_ || untilPlan_ <= 0.0) {
       turning_ = turning;
@@ -68,12 +71,19 @@ class Foresight final : public Controller {
     }
 
     Gains gains;
+    if (motion.walking) gains.translation = static_cast<float>(translation_);
     if (turning) {
+      if (motion.walking) gains.translation = static_cast<float>(translationOf(input));
       gains.rotation = static_cast<float>(rotation_);
+      return clamped(gains, input.limits);
+    }
+    smoothed_ += -std::expm1(-motion.dt / settings_.smoothing) * (curvature_ - smoothed_);
+    if (scaled > bent && curvature_ != 0.0) {
+      // A bend that is walked: scaling it does more for the side that is wanted than curvature.
+      gains.rotation =
+          motion.turn * curvature_ > 0.0 ? input.limits.rotationMin : input.limits.rotationMax;
     } else {
-      smoothed_ += -std::expm1(-motion.dt / settings_.smoothing) * (curvature_ - smoothed_);
       gains.curvature = static_cast<float>(smoothed_);
-      gains.translation = static_cast<float>(translation_);
     }
     return clamped(gains, input.limits);
   }
@@ -166,7 +176,8 @@ class Foresight final : public Controller {
     return least;
   }
 
-  static constexpr double kStroll = 0.5;  // m/s; who is faster does not turn on the spot
+  static constexpr double kStroll = 0.5;        // m/s; who is faster does not turn on the spot
+  static constexpr double kTightestBend = 1.0;  // 1/m; a tighter turn is one on the spot
 
   ForesightSettings settings_;
   RoomValue building_, plane_;

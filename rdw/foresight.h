@@ -11,8 +11,10 @@
 // S: the chance that the user still follows w after s metres, exp(-s / faith); V: the resets to
 // expect of a pose of whom nothing is known but how people walk (room_value.h), discounted over L.
 //
-// Gains: curvature, translation, rotation on the spot. Walking more virtual than physical metres
-// is always on where a wall may come near; in the middle of a hall nothing is injected. Kin are
+// Gains: curvature, translation, rotation. Walking more virtual than physical metres is always on
+// where a wall may come near; in the middle of a hall nothing is injected. In a bend that is walked
+// rotation takes the place of curvature where it does more (as in steer-to), toward the side that
+// the search wants: people who search a building hardly ever walk straight. Kin are
 // MPCRed (mpcred.h) and FORCE (force.h); what is new is the value at the end of each thought (they
 // end with a fixed cost), evidence-weighted ways, and resets that look where the room is free.
 //
@@ -39,7 +41,7 @@ RoomValueSettings openPlaneValue();
 RoomValueSettings buildingValue();
 
 struct ForesightSettings {
-  WaysAheadSettings ways{.likelihood = 0.5, .reach = 6.0};
+  WaysAheadSettings ways{.likelihood = 0.5, .reach = 10.0};
   RoomValueSettings building = buildingValue();  ///< where a graph shows ways
   RoomValueSettings plane = openPlaneValue();    ///< elsewhere
   WaySearchSettings search;

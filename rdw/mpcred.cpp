@@ -80,10 +80,16 @@ class Mpcred final : public Controller {
       }
       taken[static_cast<std::size_t>(likeliest)] = true;
       const LikelyWay& way = ahead.ways[static_cast<std::size_t>(likeliest)];
+      double unturned = 0.0;
       for (int a = 0; a < kActions; ++a) {
-        costs[static_cast<std::size_t>(a)] +=
-            way.weight * after(input, way, {}, input.physical.position, heading,
-                               static_cast<Action>(a), settings_.depth);
+        const auto action = static_cast<Action>(a);
+        // Where the stage has no corner a rotation gain is for nothing.
+        const double cost = scalesTurns(action) && !hasCorner(way, {})
+                                ? unturned + settings_.actionCost
+                                : after(input, way, {}, input.physical.position, heading, action,
+                                        settings_.depth, INFINITY);
+        if (action == kNothing) unturned = cost;
+        costs[static_cast<std::size_t>(a)] += way.weight * cost;
       }
     }
     int best = kNothing;
@@ -94,9 +100,24 @@ class Mpcred final : public Controller {
     action_ = static_cast<Action>(best);
   }
 
-  /// Cost of `action` for a stage of `way` from `at`, and of the best from there on.
+  static bool scalesTurns(Action action) { return action == kRotateLess || action == kRotateMore; }
+
+  /// Whether a stage of `way` from `at` has a corner that rotation gain could scale.
+  bool hasCorner(const LikelyWay& way, Place at) const {
+    double left = settings_.stageSeconds * settings_.speed;
+    while (left > 1e-6 && at.piece < way.count) {
+      const LikelyWay::Piece& piece = way.pieces[static_cast<std::size_t>(at.piece)];
+      if (at.into == 0.0 && std::abs(piece.turn) > kSmallestBend) return true;
+      left -= piece.length - at.into;
+      at = {at.piece + 1, 0.0};
+    }
+    return false;
+  }
+
+  /// Cost of `action` for a stage of `way` from `at`, and of the best from there on; where that is
+  /// `enough` or more, any number from there up. Branch and bound: costs only add up.
   double after(const SteerInput& input, const LikelyWay& way, Place at, glm::dvec2 position,
-               double heading, Action action, int depth) const {
+               double heading, Action action, int depth, double enough) const {
     const GainLimits& limits = input.limits;
     const double curvature = action == kCurveLeft    ? static_cast<double>(limits.curvatureMax)
                              : action == kCurveRight ? -static_cast<double>(limits.curvatureMax)
@@ -126,14 +147,17 @@ class Mpcred final : public Controller {
         heading = step.heading;
         rest -= step.walked;
         if (step.reset) cost += settings_.resetCost;
+        if (cost >= enough) return cost;
       }
       left -= length;
     }
     if (depth == 1) return cost;
-    double least = INFINITY;
+    const bool corner = hasCorner(way, at);
+    double least = (enough - cost) / settings_.discount;
     for (int a = 0; a < kActions && least > 0.0; ++a) {
-      least = std::min(least,
-                       after(input, way, at, position, heading, static_cast<Action>(a), depth - 1));
+      const auto next = static_cast<Action>(a);
+      if (scalesTurns(next) && !corner) continue;
+      least = std::min(least, after(input, way, at, position, heading, next, depth - 1, least));
     }
     return cost + settings_.discount * least;
   }

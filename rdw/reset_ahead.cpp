@@ -19,36 +19,46 @@ ResetAhead::ResetAhead(const TrackedSpace& space, const GainLimits& limits, bool
 
 double ResetAhead::heading(const ResetAheadInput& input) const {
   const ForesightSettings defaults;
-  const WaysAhead ahead = waysAhead(input.graph, input.likelihoods, input.virtualDirection,
-                                    input.virtualDirection, defaults.ways);
-  WaySearchSettings settings = defaults.search;
-  settings.nodes = 1;  // the narrowest beam: there are many headings to ask about
+  const auto waysUpTo = [&](double reach) {
+    WaysAheadSettings ways = defaults.ways;
+    ways.reach = std::min(reach, ways.reach);
+    return waysAhead(input.graph, input.likelihoods, input.virtualDirection, input.virtualDirection,
+                     ways);
+  };
+  const WaysAhead near = waysUpTo(kNearReach);
+  const WaysAhead ahead = waysUpTo(defaults.ways.reach);
   const WaySearch search(input.space, limits_, ahead.known ? buildingRoom_ : planeRoom_,
-                         ahead.known ? building_ : plane_, settings);
+                         ahead.known ? building_ : plane_, defaults.search);
   const double translation =
       building_.translation ? static_cast<double>(limits_.translationMax) : 1.0;
-  const double curvature = static_cast<double>(limits_.curvatureMax);
-  const std::array<Choice, 3> choices{
-      {{translation, 1.0, 0.0}, {translation, 1.0, -curvature}, {translation, 1.0, curvature}}};
 
+  // A narrow beam and a short look from every heading; a wider and a longer one from those that
+  // came out best, and beside the best.
+  struct Candidate {
+    double heading = 0.0;
+    double cost = INFINITY;
+  };
+  std::array<Candidate, kFinalists> best;
   const glm::dvec2 inward = input.space.centre() - input.position;
   const double centre = glm::length(inward) > 1e-9 ? headingOf(inward) : 0.0;
-  double best = centre;
-  double least = INFINITY;
   for (int h = 0; h < kHeadings; ++h) {
     // 0, left, right, further left, ...
     const int step = (h + 1) / 2 * (h % 2 == 1 ? 1 : -1);
     const double heading = centre + step * (2.0 * kPi / kHeadings);
-    std::array<double, 3> costs;
-    search.costs({input.position, heading}, ahead, false, choices, costs);
-    for (const double cost : costs) {
-      if (cost < least - 1e-9) {
-        least = cost;
-        best = heading;
-      }
+    Candidate next{heading, search.cost({input.position, heading}, near, translation, 1)};
+    for (Candidate& each : best) {
+      if (next.cost < each.cost - 1e-9) std::swap(next, each);
     }
   }
-  return wrapAngle(best);
+  Candidate least;
+  const auto consider = [&](double heading) {
+    const double cost = search.cost({input.position, heading}, ahead, translation, kFinalWidth);
+    if (cost < least.cost - 1e-9) least = {heading, cost};
+  };
+  for (const Candidate& each : best) consider(each.heading);
+  const double found = least.heading;
+  for (const double side : {1.0, -1.0}) consider(found + side * (kPi / kHeadings));
+  return wrapAngle(least.heading);
 }
 
 namespace {

@@ -223,6 +223,7 @@ void Session::enter(PreparedWorld& next) {
   std::swap(frontScratch_, next.frontScratch);
   std::swap(states_, next.states);
   result_.graph = nullptr;
+  graph_ = nullptr;
   result_.likelihoods = {};
   if (location_.polygon == navmesh::kNoPolygon) return;
   // From where the user stood on the old ground: heads and walls beside it are the frame's matter.
@@ -241,6 +242,7 @@ void Session::setStates(std::shared_ptr<const navmesh::PolygonStates>& next) {
   assert(frontScratch_ == nullptr);
   assert(next == nullptr || next->allOpen() || next->cost.size() == world_->graph.polygonCount());
   std::swap(states_, next);
+  graph_ = nullptr;
 }
 
 // Doubled again and again, because a search costs what lies within its distance.
@@ -303,12 +305,18 @@ void Session::predict() {
   if (settings_.openPlane) return;
   if (!settings_.alwaysPredict && !controller_->wantsPrediction() && !policy_->wantsPrediction())
     return;
-  const prediction::PredictionGraph& graph =
-      frontScratch_ != nullptr
-          ? prediction::predictFronts(world_->graph, location_, settings_.horizon, *frontScratch_,
-                                      settings_.front)
-          : prediction::predict(world_->graph, location_, settings_.horizon, *scratch_,
-                                states_.get());
+  const bool moved =
+      location_.polygon != graphSource_.polygon || location_.plan != graphSource_.plan ||
+      location_.height != graphSource_.height || location_.snapped != graphSource_.snapped;
+  if (graph_ == nullptr || moved) {
+    graph_ = frontScratch_ != nullptr
+                 ? &prediction::predictFronts(world_->graph, location_, settings_.horizon,
+                                              *frontScratch_, settings_.front)
+                 : &prediction::predict(world_->graph, location_, settings_.horizon, *scratch_,
+                                        states_.get());
+    graphSource_ = location_;
+  }
+  const prediction::PredictionGraph& graph = *graph_;
   if ((graph.flags & prediction::kPolygonLimit) != 0) result_.flags |= kGraphLimit;
   result_.graph = &graph;
   if (likelihood_ == nullptr) return;

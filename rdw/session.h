@@ -166,6 +166,9 @@ class Session {
   /// The same in three steps, for callers who time them: call all three, in this order, every
   /// frame.
   void locate(const HeadPose& physical, double seconds);
+  ///
+  /// A graph is a function of the place: where the feet are where they were (on the spot, in a
+  /// reset's turn) predict() keeps the last one.
   void predict();
   const FrameResult& steer();
 
@@ -251,7 +254,9 @@ class Session {
   HeadPose physical_;                  ///< the last sound one
   std::optional<PlanarPose> pending_;  ///< virtual pose that the next frame's head is put at
   navmesh::Location location_;
-  bool groundTaken_ = false;  ///< since a change of the world
+  const prediction::PredictionGraph* graph_ = nullptr;  ///< the last one made; null: none in force
+  navmesh::Location graphSource_;                       ///< where it was made from
+  bool groundTaken_ = false;                            ///< since a change of the world
   FrameResult result_;
 };
 

@@ -85,23 +85,23 @@ void WaySearch::walkPiece(double length, const Choice& choice, Walker& walker, i
   walker.faithful *= 1.0 - strays;
 }
 
-int WaySearch::walk(const ThoughtPose& from, const LikelyWay& way, bool turning,
+/// Without first choices everything is free, and there is one cost.
+int WaySearch::walk(const ThoughtPose& from, const LikelyWay& way, bool turning, double translation,
                     std::span<const Choice> first, int width, std::span<double> costs) const {
   int nodes = 0;
   Beam beam;
-  for (std::size_t c = 0; c < first.size(); ++c) {
+  for (std::size_t c = 0; c < costs.size(); ++c) {
     beam.walkers[c][0] = Walker{from.position, from.heading, static_cast<int>(c)};
     beam.counts[c] = 1;
   }
-  const double translation = first.empty() ? 1.0 : first[0].translation;
   for (int p = 0; p < way.count; ++p) {
     const LikelyWay::Piece& piece = way.pieces[static_cast<std::size_t>(p)];
     Beam next;
-    for (std::size_t f = 0; f < first.size(); ++f) {
+    for (std::size_t f = 0; f < costs.size(); ++f) {
       for (int i = 0; i < beam.counts[f]; ++i) {
         const Walker& walker = beam.walkers[f][static_cast<std::size_t>(i)];
         const bool corner = std::abs(piece.turn) > kSmallestBend;
-        const bool fixedTurn = p == 0 && turning;
+        const bool fixedTurn = p == 0 && turning && !first.empty();
         for (int r = 0; r < (corner && !fixedTurn ? kRotationChoices : 1); ++r) {
           const double rotation = fixedTurn ? first[f].rotation
                                   : corner  ? rotationChoice(r, limits_)
@@ -110,7 +110,7 @@ int WaySearch::walk(const ThoughtPose& from, const LikelyWay& way, bool turning,
           turned.heading += piece.turn / rotation;
           turned.cost += walker.faithful * settings_.feltRadian * std::abs(piece.turn) *
                          shareUsed(rotation, limits_.rotationMin, limits_.rotationMax);
-          const bool fixedWalk = p == 0 && !turning;
+          const bool fixedWalk = p == 0 && !turning && !first.empty();
           for (int c = 0; c < (fixedWalk ? 1 : kCurvatures); ++c) {
             const Choice choice =
                 fixedWalk
@@ -125,7 +125,7 @@ int WaySearch::walk(const ThoughtPose& from, const LikelyWay& way, bool turning,
     }
     beam = next;
   }
-  for (std::size_t f = 0; f < first.size(); ++f) {
+  for (std::size_t f = 0; f < costs.size(); ++f) {
     costs[f] = std::min(costs[f], beam.walkers[f][0].value);
   }
   return nodes;
@@ -138,6 +138,7 @@ int WaySearch::costs(const ThoughtPose& from, const WaysAhead& ahead, bool turni
   for (auto& row : least) row.fill(INFINITY);
   int nodes = 0;
   int pass = 0;  // nodes of the last pass
+  const double translation = first.empty() ? 1.0 : first[0].translation;
   for (int width = 1; width <= kWidest; width *= 2) {
     // The next pass takes about twice the last one; one that would not be finished is not begun.
     if (width > 1 && nodes + 2 * pass > settings_.nodes) break;
@@ -145,7 +146,8 @@ int WaySearch::costs(const ThoughtPose& from, const WaysAhead& ahead, bool turni
     for (int w = 0; w < ahead.count; ++w) {
       const LikelyWay& way = ahead.ways[static_cast<std::size_t>(w)];
       if (way.weight < kUnlikely) continue;
-      pass += walk(from, way, turning, first, width, least[static_cast<std::size_t>(w)]);
+      pass += walk(from, way, turning, translation, first, width,
+                   std::span(least[static_cast<std::size_t>(w)]).first(first.size()));
     }
     nodes += pass;
   }
@@ -158,6 +160,19 @@ int WaySearch::costs(const ThoughtPose& from, const WaysAhead& ahead, bool turni
     }
   }
   return nodes;
+}
+
+double WaySearch::cost(const ThoughtPose& from, const WaysAhead& ahead, double translation,
+                       int width) const {
+  double cost = 0.0;
+  for (int w = 0; w < ahead.count; ++w) {
+    const LikelyWay& way = ahead.ways[static_cast<std::size_t>(w)];
+    if (way.weight < kUnlikely) continue;
+    double least = INFINITY;
+    walk(from, way, false, translation, {}, width, {&least, 1});
+    cost += way.weight * least;
+  }
+  return cost;
 }
 
 }  // namespace forewalk::rdw

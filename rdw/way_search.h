@@ -30,7 +30,7 @@ struct Choice {
 };
 
 struct WaySearchSettings {
-  int nodes = 1000;          ///< steps thought of in one search, >= 1; the budget
+  int nodes = 2000;          ///< steps thought of in one search, >= 1; the budget
   double faith = 4.0;        ///< a way is left, for reasons unknown, every so many metres, > 0
   double feltMetre = 0.002;  ///< cost of a metre under full curvature or translation, resets, >= 0
   double feltRadian =
@@ -66,10 +66,15 @@ class WaySearch {
   int costs(const ThoughtPose& from, const WaysAhead& ahead, bool turning,
             std::span<const Choice> first, std::span<double> costs) const;
 
+  /// The same where every choice is free, from the first step on: what the pose is worth to
+  /// somebody who walks the ways of `ahead`. One pass with `width` walkers, in [1, kWidest];
+  /// `translation` is applied throughout. Allocates nothing.
+  double cost(const ThoughtPose& from, const WaysAhead& ahead, double translation, int width) const;
+
  private:
   struct Walker;
   struct Beam;
-  int walk(const ThoughtPose& from, const LikelyWay& way, bool turning,
+  int walk(const ThoughtPose& from, const LikelyWay& way, bool turning, double translation,
            std::span<const Choice> first, int width, std::span<double> costs) const;
   void walkPiece(double length, const Choice& choice, Walker& walker, int& nodes) const;
 

@@ -53,15 +53,13 @@ Choice choiceOf(Axis axis, const std::string& word) {
 }
 
 bool takesWords(Axis axis) { return axis != Axis::kUser && axis != Axis::kVariant; }
-bool takesObjects(Axis axis) { return axis != Axis::kController; }
 
 std::optional<Choice> readChoice(Axis axis, const Json& entry, const std::string& path,
                                  Problem& problem) {
   if (entry.is_string() && takesWords(axis)) return choiceOf(axis, entry.get<std::string>());
-  if (!entry.is_object() || !takesObjects(axis)) {
-    const std::string_view kind = !takesObjects(axis) ? "text in quotes"
-                                  : takesWords(axis)  ? "text in quotes or an object {...}"
-                                                      : "an object {...}";
+  if (!entry.is_object()) {
+    const std::string_view kind =
+        takesWords(axis) ? "text in quotes or an object {...}" : "an object {...}";
     problem.say(ErrorCode::kDataDamaged, fmt::format("{} has to be {}.", path, kind));
     return std::nullopt;
   }
@@ -73,7 +71,8 @@ std::optional<Choice> readChoice(Axis axis, const Json& entry, const std::string
   }
   Choice choice{name->get<std::string>(), entry};
   choice.keys.erase("name");
-  if (const std::string_view key = keyOf(axis); !key.empty()) {
+  // An object for a controller is one with the reset, or whatever else, that goes with it.
+  if (const std::string_view key = keyOf(axis); !key.empty() && axis != Axis::kController) {
     choice.keys = Json{{std::string(key), std::move(choice.keys)}};
   }
   return choice;

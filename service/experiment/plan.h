@@ -27,8 +27,9 @@
 //   room, or in rooms of their own and one virtual world. The toolkits' paths are kinds of user:
 //   90-degree turns {"kind": "legs"}, random turns {"kind": "legs", "turn": "uniform", "turn_deg":
 //   180}, straight {"kind": "legs", "turn_deg": 0}, sawtooth, circle, figure-eight, corridors.
-// - controllers: as in a simulation. resets, limits: likewise, or an object of `name` and the keys
-//   of `reset` or `limits`.
+// - controllers: as in a simulation, or an object of `name` and any keys of a simulation: a
+//   controller with the reset that goes with it.
+// - resets, limits: as in a simulation, or an object of `name` and the keys of `reset` or `limits`.
 // - variants: an object of `name` and any keys of a simulation.
 // - seeds: how many (1, 2, ...), or a list of them.
 // - traces: "none", "first" (of the seeds) or "all": whose frames are written as CSV.

@@ -1,6 +1,7 @@
 // Laws of the planning controllers, of the reset that looks ahead, and of the ceiling.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -12,6 +13,7 @@
 #include "prediction/predict.h"
 #include "rdw/clairvoyant.h"
 #include "rdw/foresight.h"
+#include "rdw/mpcred.h"
 #include "rdw/reset_ahead.h"
 #include "rdw/simulation.h"
 #include "tests/support/count_allocations.h"
@@ -198,6 +200,115 @@ TEST(WaySearch, KeepsToItsBudgetBeyondTheFirstPass) {
   EXPECT_LE(WaySearch(room, limits, value, prior, settings)
                 .costs({{0, 1}, 0.0}, ahead, false, choices, costs),
             60);
+}
+
+TEST(WaySearch, WithEverythingFreeCostsWhatTheBestFirstChoiceDoes) {
+  const TrackedSpace room = furnished();
+  const GainLimits limits = *gainLimitsByName("toolkit");
+  const RoomValueSettings prior = buildingValue();
+  const RoomValue value(room, limits, SteerRule::kCentre, prior);
+  const double curvature = static_cast<double>(limits.curvatureMax);
+  const std::array<Choice, 3> choices{{{1.26, 1, 0}, {1.26, 1, -curvature}, {1.26, 1, curvature}}};
+  WaySearchSettings settings;
+  settings.nodes = 20000;
+  const WaySearch search(room, limits, value, prior, settings);
+  std::mt19937_64 rng(6);
+  for (int i = 0; i < 100; ++i) {
+    // Two pieces: the widest beam leaves nothing out.
+    WaysAhead ahead;
+    ahead.count = 1;
+    ahead.ways[0].weight = 1.0;
+    ahead.ways[0].count = 2;
+    ahead.ways[0].pieces[0] = {0.0, 1.5};
+    ahead.ways[0].pieces[1] = {0.0, 1.0};
+    const ThoughtPose pose{{uniform(rng, -2.5, 0.5), uniform(rng, 0.4, 2.5)}, uniform(rng, -3, 3)};
+    std::array<double, 3> costs;
+    search.costs(pose, ahead, false, choices, costs);
+    const double free = search.cost(pose, ahead, 1.26, WaySearch::kWidest);
+    EXPECT_DOUBLE_EQ(free, *std::min_element(costs.begin(), costs.end())) << i;
+    EXPECT_LE(free, search.cost(pose, ahead, 1.26, 1)) << i;
+  }
+}
+
+/// MPCRed's J by trying everything, without a bound: somebody walks straight on from `position`.
+double plainCost(const TrackedSpace& room, const GainLimits& limits, const MpcredSettings& settings,
+                 glm::dvec2 position, double heading, int side, int depth) {
+  RoomValueSettings thought;
+  thought.stopsBefore = settings.stopsBefore;
+  thought.stopping = 0.0;
+  double cost = side != 0 ? settings.actionCost : 0.0;
+  for (double left = settings.stageSeconds * settings.speed; left > 1e-6;) {
+    const ThoughtStep step =
+        stepInThought(room, position, heading, std::min(left, 1.0),
+                      side * static_cast<double>(limits.curvatureMax), thought);
+    position = step.position;
+    heading = step.heading;
+    left -= step.walked;
+    if (step.reset) cost += settings.resetCost;
+  }
+  if (depth == 1) return cost;
+  double least = INFINITY;
+  for (int next = -1; next <= 1; ++next) {
+    least = std::min(least, plainCost(room, limits, settings, position, heading, next, depth - 1));
+  }
+  return cost + settings.discount * least;
+}
+
+TEST(Mpcred, ChoosesWhatTryingEverythingChooses) {
+  const TrackedSpace room = furnished();
+  const GainLimits limits = *gainLimitsByName("toolkit");
+  const MpcredSettings settings;
+  std::mt19937_64 rng(7);
+  int bent = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double heading = uniform(rng, -3, 3);
+    const PlanarPose body{{uniform(rng, -2.9, 0.9), uniform(rng, 0.3, 2.9)}, heading};
+    std::array<double, 3> costs{};  // straight on, right, left: of equal ones the first is taken
+    for (int c = 0; c < 3; ++c) {
+      costs[static_cast<std::size_t>(c)] = plainCost(room, limits, settings, body.position, heading,
+                                                     c == 0 ? 0 : 2 * c - 3, settings.depth);
+    }
+    int best = 0;
+    for (int c = 1; c < 3; ++c) {
+      if (costs[static_cast<std::size_t>(c)] < costs[static_cast<std::size_t>(best)] - 1e-9)
+        best = c;
+    }
+    const auto controller = makeMpcred();
+    controller->prepare(room, limits);
+    const Gains gains = controller->steer(
+        {walking(directionOf(heading)), body, body, room, limits, Redirection{}, nullptr});
+    const int side = gains.curvature > 0.0f ? 2 : gains.curvature < 0.0f ? 1 : 0;
+    EXPECT_EQ(side, best) << i;
+    bent += side != 0;
+  }
+  EXPECT_GT(bent, 20);
+}
+
+TEST(Foresight, ScalesABendThatIsWalkedInsteadOfBendingIt) {
+  const TrackedSpace room = *TrackedSpace::rectangle(5, 5);
+  const GainLimits limits = *gainLimitsByName("toolkit");
+  // Along a wall at a walk, toward another.
+  const PlanarPose body{{1.9, -0.5}, 0.0};
+  double side = 0.0;  // to which the walk is bent
+  const auto after = [&](double turn) {
+    const auto controller = prepared("foresight", room, limits);
+    Motion motion = walking({0, 1});
+    Gains gains;
+    for (int i = 0; i < 10; ++i) {
+      gains = controller->steer({motion, body, body, room, limits, Redirection{}, nullptr});
+    }
+    side = static_cast<double>(gains.curvature);
+    motion.turn = turn;
+    motion.turnRate = turn / motion.dt;
+    return controller->steer({motion, body, body, room, limits, Redirection{}, nullptr});
+  };
+  for (const double turn : {0.02, -0.02}) {
+    const Gains gains = after(turn);
+    ASSERT_NE(side, 0.0);
+    EXPECT_EQ(gains.rotation, turn * side > 0.0 ? limits.rotationMin : limits.rotationMax) << turn;
+    EXPECT_EQ(gains.curvature, 0.0f);
+    EXPECT_GT(gains.translation, 1.0f);
+  }
 }
 
 TEST(ResetAhead, TurnsAwayFromTheWall) {

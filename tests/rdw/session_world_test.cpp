@@ -107,6 +107,27 @@ TEST(SessionWorld, IsTheSameWalkWhereNothingNearChanged) {
   }
 }
 
+TEST(SessionWorld, ClosesDoorsAroundSomebodyWhoStands) {
+  LiveMesh mesh = hall();
+  const WorldPtr world = mesh.world();
+  Session session = made(world);
+  const std::size_t open = session.frame(head(0, 0), 0.0).graph->nodes.size();
+  EXPECT_EQ(session.frame(head(0, 0), 0.1).graph->nodes.size(), open);
+  // All but the user's own polygon.
+  std::vector<navmesh::PolygonId> others;
+  for (std::uint32_t i = 0; i < world->graph.polygonCount(); ++i) {
+    const navmesh::PolygonId polygon{i};
+    if (polygon != session.result().location.polygon) others.push_back(polygon);
+  }
+  auto closed = std::make_shared<navmesh::PolygonStates>();
+  ASSERT_TRUE(navmesh::setCost(world->graph, others, navmesh::kClosed, *closed));
+  std::shared_ptr<const navmesh::PolygonStates> states = closed;
+  session.setStates(states);
+  EXPECT_LT(session.frame(head(0, 0), 0.2).graph->nodes.size(), open);
+  session.setStates(states);
+  EXPECT_EQ(session.frame(head(0, 0), 0.3).graph->nodes.size(), open);
+}
+
 TEST(SessionWorld, PutsAUserInsideAnObstacleOnTheNearestGroundAndSaysSo) {
   std::mt19937_64 rng(9);
   LiveMesh mesh = hall();
