@@ -166,7 +166,6 @@ class Session {
   /// The same in three steps, for callers who time them: call all three, in this order, every
   /// frame.
   void locate(const HeadPose& physical, double seconds);
-  ///
   /// A graph is a function of the place: where the feet are where they were (on the spot, in a
   /// reset's turn) predict() keeps the last one.
   void predict();
