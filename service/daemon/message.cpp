@@ -269,7 +269,13 @@ std::string settingsText(const rdw::SessionSettings& settings) {
                   : settings.heading == rdw::HeadingSource::kChest ? "chest"
                                                                    : "walking"},
       {"resets", settings.resets},
-      {"reset", settings.resetPolicy}};
+      {"reset",
+       {{"policy", settings.resetPolicy},
+        {"reaction_s", settings.reset.reactionTime},
+        {"deceleration_m_per_s2", settings.reset.deceleration},
+        {"clearance_m", settings.reset.clearance},
+        {"warning_s", settings.reset.warningTime},
+        {"trigger", settings.reset.trigger == rdw::ResetTrigger::kBorder ? "border" : "ahead"}}}};
   return json.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 

@@ -36,8 +36,8 @@ struct Hello {
 /// The "session" object of a hello, or of a recording, as settings. Fails as parseHello.
 [[nodiscard]] tl::expected<rdw::SessionSettings, Error> parseSettings(std::string_view text);
 
-/// The other way round: parseSettings gives settings that make the same frames. Of what frames do
-/// not depend on the defaults are left.
+/// The other way round: parseSettings gives settings that make the same frames from a state on. Not
+/// among them: `start`, and what a hello cannot say.
 std::string settingsText(const rdw::SessionSettings& settings);
 
 /// The answer to a hello.

@@ -12,7 +12,7 @@
 
 #include "navmesh/build/build.h"
 #include "service/daemon/message.h"
-#include "service/daemon/recorder.h"
+#include "service/daemon/recording_format.h"
 #include "service/daemon/replay.h"
 #include "service/daemon/state_token.h"
 #include "service/files.h"
@@ -54,8 +54,7 @@ void frame(std::string_view bytes, bool isText) {
   require(again && daemon::frameBytes(*again) == daemon::frameBytes(*read),
           "a frame is written as it was read");
   require(daemon::parseFrame(daemon::frameText(*read), true).has_value(), "and as text");
-  const daemon::Answer answer =
-      daemon::answerOf(read->sequence, veteran().frame(read->head, read->seconds));
+  const daemon::Answer answer = daemon::answerOf(read->sequence, daemon::walk(veteran(), *read));
   std::string text, raw;
   daemon::appendAnswerText(answer, {}, {}, text);
   require(nlohmann::json::accept(text), "an answer is JSON");
@@ -73,6 +72,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)daemon::parseAnswerBytes(bytes);
   const auto hello = daemon::parseHello(bytes);
   require(hello || !hello.error().message.empty(), "a refusal has a sentence");
+  if (hello) {
+    const std::string settings = daemon::settingsText(hello->settings);
+    const auto again = daemon::parseSettings(settings);
+    require(again && daemon::settingsText(*again) == settings, "settings are read as written");
+  }
   require(nlohmann::json::accept(daemon::errorText("x", bytes)), "an error is JSON");
   if (const auto raw = daemon::fromBase64Url(bytes)) {
     require(daemon::toBase64Url(*raw) == bytes, "one text for each sequence of bytes");
@@ -103,6 +107,11 @@ std::vector<std::vector<std::uint8_t>> seedCorpus() {
   one.seconds = 0.25;
   add(daemon::frameBytes(one));
   add(daemon::frameText(one));
+  daemon::Frame more = one;
+  more.gaze = glm::vec3(-1.0f, 0.0f, -0.0f);
+  more.chest = glm::vec3(0.0f, 0.0f, -1.0f);
+  more.others.push_back({{1.0, 2.0}, {0.5, 0.0}, {0.0, 1.0}, 0.5});
+  add(daemon::frameText(more));
   add(R"({"format":"forewalk.hello/1","token":"AAAA","session":{"controller":"s2o","horizon_m":7,)"
       R"("space":{"polygon":[[0,0],[4,0],[4,4]]},"limits":{"preset":"neth","curvature_max_per_m":0.2},)"
       R"("reset":{"warning_s":2},"start":{"position":[1,2,3],"heading_deg":90}}})");
@@ -117,6 +126,9 @@ std::vector<std::vector<std::uint8_t>> seedCorpus() {
       daemon::recordingHead("2a", "room", daemon::textOf(kNavMesh), "{\"controller\":\"none\"}",
                             daemon::stateBytes(state, kNavMesh));
   daemon::appendRecordedFrame(one, {}, recording);
+  daemon::appendRecordedTeleport({{0.5f, 0.0f, 0.5f}, 1.0f}, recording);
+  daemon::appendRecordedFrame(more, {}, recording);
+  daemon::appendRecordedWorldChange(recording);
   add(recording);
   return seeds;
 }

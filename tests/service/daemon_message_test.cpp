@@ -139,6 +139,11 @@ TEST(DaemonMessage, SaysSettingsSoThatTheyAreReadBack) {
     settings.front.persistence = 0.3f;
     settings.heading = rdw::HeadingSource::kWalking;
     settings.resets = polygon;
+    settings.reset.reactionTime = 0.123;
+    settings.reset.deceleration = 2.7;
+    settings.reset.clearance = 0.31;
+    settings.reset.warningTime = 0.9;
+    settings.reset.trigger = polygon ? rdw::ResetTrigger::kBorder : rdw::ResetTrigger::kAhead;
     const auto read = parseSettings(settingsText(settings));
     ASSERT_TRUE(read) << read.error().message;
     ASSERT_EQ(read->space.ringCount(), settings.space.ringCount());
@@ -155,6 +160,11 @@ TEST(DaemonMessage, SaysSettingsSoThatTheyAreReadBack) {
     EXPECT_EQ(read->front.persistence, settings.front.persistence);
     EXPECT_EQ(read->heading, settings.heading);
     EXPECT_EQ(read->resets, settings.resets);
+    EXPECT_EQ(read->reset.reactionTime, settings.reset.reactionTime);
+    EXPECT_EQ(read->reset.deceleration, settings.reset.deceleration);
+    EXPECT_EQ(read->reset.clearance, settings.reset.clearance);
+    EXPECT_EQ(read->reset.warningTime, settings.reset.warningTime);
+    EXPECT_EQ(read->reset.trigger, settings.reset.trigger);
     EXPECT_EQ(settingsText(*read), settingsText(settings));
   }
 }
