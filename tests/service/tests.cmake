@@ -23,8 +23,8 @@ function(forewalk_unthreaded_program_test)
   endif()
 endfunction()
 
-forewalk_test(service/parallel_test.cpp LIBS forewalk::service)
-forewalk_test(service/live_world_test.cpp LIBS forewalk::service)
+forewalk_test(service/parallel_test.cpp LIBS service_core)
+forewalk_test(service/live_world_test.cpp LIBS service_core)
 forewalk_test(service/walk_animation_test.cpp LIBS forewalk::service)
 forewalk_test(service/clip_file_test.cpp LIBS forewalk::service)
 forewalk_test(service/sweep_test.cpp LIBS forewalk::service)
@@ -110,7 +110,7 @@ endif()
 
 # WebAssembly against this library, where both have been built (./forewalk.sh wasm).
 add_executable(native_walk service/wasm/native_walk.cpp)
-target_link_libraries(native_walk PRIVATE capi forewalk::service fmt::fmt project_options)
+target_link_libraries(native_walk PRIVATE capi service_core fmt::fmt project_options)
 target_compile_options(native_walk PRIVATE $<$<CONFIG:Release>:-O1>)
 target_compile_definitions(native_walk PRIVATE
   FOREWALK_SHARED_DATA="${FOREWALK_SHARED_DATA}" FOREWALK_ASSETS="${PROJECT_SOURCE_DIR}/assets")
