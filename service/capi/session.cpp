@@ -193,15 +193,11 @@ forewalk_status forewalk_session_create(const forewalk_navmesh* navmesh,
                        "forewalk_session_create: navmesh or session is null.");
   }
   return guarded([&]() -> forewalk_status {
-    forewalk_session_settings known = defaultSessionSettings();
-    if (const auto status = readSettings(settings, "forewalk_session_settings", known)) {
-      return status;
-    }
-    if (const auto status = checkForm(known)) return status;
-    auto ours = sessionSettings(known);
-    if (!ours) return fail(ours.error());
-    if (ours->method == prediction::Method::kFront) ours->frontIndex = navmesh->frontIndex();
-    if (const auto status = createSession(navmesh->world, known, std::move(*ours), session)) {
+    forewalk_session_settings known;
+    rdw::SessionSettings ours;
+    if (const auto status = readSession(settings, known, ours)) return status;
+    if (ours.method == prediction::Method::kFront) ours.frontIndex = navmesh->frontIndex();
+    if (const auto status = createSession(navmesh->world, known, std::move(ours), session)) {
       return status;
     }
     (*session)->scene = navmesh->scene;

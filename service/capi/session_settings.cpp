@@ -43,32 +43,6 @@ rdw::GainLimits limitsOf(const forewalk_session_settings& settings) {
           .bendingMax = settings.bending_max};
 }
 
-}  // namespace
-
-forewalk_session_settings defaultSessionSettings() {
-  const rdw::SessionSettings ours;
-  const rdw::GainLimits& limits = ours.limits;
-  forewalk_session_settings settings{};
-  settings.struct_size = sizeof settings;
-  settings.axes = FOREWALK_AXES_OPENXR;
-  settings.controller = FOREWALK_CONTROLLER_S2C_PREDICTIVE;
-  settings.limits = FOREWALK_LIMITS_STEINICKE;
-  settings.horizon = ours.horizon;
-  settings.translation_min = limits.translationMin;
-  settings.translation_max = limits.translationMax;
-  settings.rotation_min = limits.rotationMin;
-  settings.rotation_max = limits.rotationMax;
-  settings.curvature_max = limits.curvatureMax;
-  settings.bending_min = limits.bendingMin;
-  settings.bending_max = limits.bendingMax;
-  settings.polygon_limit = ours.prediction.polygons;
-  settings.resets = 1;
-  settings.always_predict = 1;
-  settings.method = static_cast<forewalk_method>(ours.method);
-  settings.persistence = ours.front.persistence;
-  return settings;
-}
-
 forewalk_status checkForm(const forewalk_session_settings& settings) {
   const struct {
     const char* field;
@@ -119,6 +93,43 @@ tl::expected<rdw::SessionSettings, Error> sessionSettings(
   ours.method = static_cast<prediction::Method>(settings.method);
   ours.front.persistence = settings.persistence;
   return ours;
+}
+
+}  // namespace
+
+forewalk_session_settings defaultSessionSettings() {
+  const rdw::SessionSettings ours;
+  const rdw::GainLimits& limits = ours.limits;
+  forewalk_session_settings settings{};
+  settings.struct_size = sizeof settings;
+  settings.axes = FOREWALK_AXES_OPENXR;
+  settings.controller = FOREWALK_CONTROLLER_S2C_PREDICTIVE;
+  settings.limits = FOREWALK_LIMITS_STEINICKE;
+  settings.horizon = ours.horizon;
+  settings.translation_min = limits.translationMin;
+  settings.translation_max = limits.translationMax;
+  settings.rotation_min = limits.rotationMin;
+  settings.rotation_max = limits.rotationMax;
+  settings.curvature_max = limits.curvatureMax;
+  settings.bending_min = limits.bendingMin;
+  settings.bending_max = limits.bendingMax;
+  settings.polygon_limit = ours.prediction.polygons;
+  settings.resets = 1;
+  settings.always_predict = 1;
+  settings.method = static_cast<forewalk_method>(ours.method);
+  settings.persistence = ours.front.persistence;
+  return settings;
+}
+
+forewalk_status readSession(const forewalk_session_settings* given,
+                            forewalk_session_settings& known, rdw::SessionSettings& ours) {
+  known = defaultSessionSettings();
+  if (const auto status = readSettings(given, kType, known)) return status;
+  if (const auto status = checkForm(known)) return status;
+  auto made = sessionSettings(known);
+  if (!made) return fail(made.error());
+  ours = std::move(*made);
+  return FOREWALK_OK;
 }
 
 rdw::VirtualStart startFrom(forewalk_axes axes, forewalk_vec3 floor, float heading) {

@@ -13,12 +13,10 @@ namespace forewalk::capi {
 
 forewalk_session_settings defaultSessionSettings();
 
-/// FOREWALK_OK, or the refusal of what cannot even be read.
-forewalk_status checkForm(const forewalk_session_settings& settings);
-
-/// Of settings whose form was checked. Fails as TrackedSpace does.
-tl::expected<rdw::SessionSettings, Error> sessionSettings(
-    const forewalk_session_settings& settings);
+/// What is given (null: defaults), and what it comes to: FOREWALK_OK, or the refusal of a form that
+/// cannot be read or of a tracked space.
+forewalk_status readSession(const forewalk_session_settings* given,
+                            forewalk_session_settings& known, rdw::SessionSettings& ours);
 
 /// A place of the virtual floor and a heading, in the session's axes.
 rdw::VirtualStart startFrom(forewalk_axes axes, forewalk_vec3 floor, float heading);

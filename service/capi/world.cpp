@@ -326,16 +326,12 @@ forewalk_status forewalk_session_create_in_world(forewalk_world* world,
                        "forewalk_session_create_in_world: world or session is null.");
   }
   return guarded([&]() -> forewalk_status {
-    forewalk_session_settings known = defaultSessionSettings();
-    if (const auto status = readSettings(settings, "forewalk_session_settings", known)) {
-      return status;
-    }
-    if (const auto status = checkForm(known)) return status;
-    auto ours = sessionSettings(known);
-    if (!ours) return fail(ours.error());
-    service::WorldReader reader = world->world->readerForSession(ours->prediction, ours->method);
-    ours->states = reader.version().states;
-    if (const auto status = createSession(reader.version().world, known, std::move(*ours), session))
+    forewalk_session_settings known;
+    rdw::SessionSettings ours;
+    if (const auto status = readSession(settings, known, ours)) return status;
+    service::WorldReader reader = world->world->readerForSession(ours.prediction, ours.method);
+    ours.states = reader.version().states;
+    if (const auto status = createSession(reader.version().world, known, std::move(ours), session))
       return status;
     (*session)->follows = std::make_unique<Follower>(world->world, std::move(reader));
     return FOREWALK_OK;
