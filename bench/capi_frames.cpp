@@ -131,7 +131,7 @@ int run(const Options& options) {
     }
     for (const auto& kind : kinds) {
       forewalk_session_settings settings;
-      forewalk_session_settings_init(&settings);
+      forewalk_session_settings_init(&settings, sizeof settings);
       settings.controller = kind.controller;
       settings.method = kind.method;
       settings.likelihoods = kind.likelihoods;

@@ -76,6 +76,26 @@ uint32_t forewalk_navmesh_polygon_count(const forewalk_navmesh* navmesh) {
   return navmesh == nullptr ? 0 : navmesh->world->graph.polygonCount();
 }
 
+forewalk_status forewalk_navmesh_polygons(const forewalk_navmesh* navmesh, forewalk_axes axes,
+                                          forewalk_navmesh_view* view) {
+  if (navmesh == nullptr || view == nullptr) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT,
+                       "forewalk_navmesh_polygons: navmesh or view is null.");
+  }
+  if (!isKnownSize<forewalk_navmesh_view>(view->struct_size)) {
+    return failLiteral(FOREWALK_ERROR_ARGUMENT,
+                       "forewalk_navmesh_polygons: no version has had the view's struct_size. Set "
+                       "it to sizeof(forewalk_navmesh_view).");
+  }
+  return guarded([&]() -> forewalk_status {
+    if (axes < FOREWALK_AXES_OPENXR || axes > FOREWALK_AXES_UNREAL) {
+      return unknownConstant("forewalk_navmesh_polygons", "axes", axes, FOREWALK_AXES_UNREAL);
+    }
+    copyKnown(navmesh->polygonsIn(axes).view(), *view);
+    return FOREWALK_OK;
+  });
+}
+
 void forewalk_navmesh_retain(forewalk_navmesh* navmesh) {
   if (navmesh != nullptr) navmesh->owners.fetch_add(1, std::memory_order_relaxed);
 }

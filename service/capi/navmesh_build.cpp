@@ -34,8 +34,8 @@ using namespace forewalk::capi;
 
 extern "C" {
 
-void forewalk_build_settings_init(forewalk_build_settings* settings) {
-  if (settings != nullptr) *settings = defaultBuildSettings();
+void forewalk_build_settings_init(forewalk_build_settings* settings, uint32_t struct_size) {
+  initKnown(defaultBuildSettings(), settings, struct_size);
 }
 
 forewalk_status forewalk_navmesh_from_file(const char* path,

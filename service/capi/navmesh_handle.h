@@ -1,6 +1,7 @@
 // What a forewalk_navmesh is.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +12,7 @@
 
 #include "navmesh/world.h"
 #include "rdw/session.h"
+#include "service/capi/flat_polygons.h"
 #include "service/capi/forewalk.h"
 
 /// Only read after it is made, but for `owners` and what is made when first asked for. Sessions
@@ -29,8 +31,17 @@ struct forewalk_navmesh {
     return frontIndex_;
   }
 
+  /// For drawing, in `axes`, which is one of the constants. Any thread; the first one makes it.
+  const forewalk::capi::FlatPolygons& polygonsIn(forewalk_axes axes) const {
+    std::call_once(polygonsMade_[axes],
+                   [&] { polygons_[axes] = forewalk::capi::FlatPolygons(world->graph, axes); });
+    return polygons_[axes];
+  }
+
  private:
   mutable std::once_flag frontIndexMade_;
+  mutable std::array<std::once_flag, 3> polygonsMade_;
+  mutable std::array<forewalk::capi::FlatPolygons, 3> polygons_;
   mutable std::shared_ptr<const forewalk::prediction::FrontIndex> frontIndex_;
 };
 

@@ -180,8 +180,8 @@ using namespace forewalk::capi;
 
 extern "C" {
 
-void forewalk_session_settings_init(forewalk_session_settings* settings) {
-  if (settings != nullptr) *settings = defaultSessionSettings();
+void forewalk_session_settings_init(forewalk_session_settings* settings, uint32_t struct_size) {
+  initKnown(defaultSessionSettings(), settings, struct_size);
 }
 
 forewalk_status forewalk_session_create(const forewalk_navmesh* navmesh,

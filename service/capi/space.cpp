@@ -91,8 +91,8 @@ using namespace forewalk::capi;
 
 extern "C" {
 
-void forewalk_space_settings_init(forewalk_space_settings* settings) {
-  if (settings != nullptr) *settings = defaultSpaceSettings();
+void forewalk_space_settings_init(forewalk_space_settings* settings, uint32_t struct_size) {
+  initKnown(defaultSpaceSettings(), settings, struct_size);
 }
 
 forewalk_status forewalk_space_create(const forewalk_space_settings* settings,

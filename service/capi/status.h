@@ -74,6 +74,10 @@ template <>
 inline constexpr std::size_t kFirstSize<forewalk_graph_view> = offsetof(forewalk_graph_view,
                                                                         complete_to) +
                                                                sizeof(float);
+template <>
+inline constexpr std::size_t kFirstSize<forewalk_navmesh_view> = offsetof(forewalk_navmesh_view,
+                                                                          triangles) +
+                                                                 sizeof(const forewalk_vec3*);
 
 /// Whether some version of the struct can have this size. What is far larger than a struct of ours
 /// was never set.
@@ -93,6 +97,21 @@ void copyKnown(const Struct& from, Struct& to) {
   if (toSize < size) size = toSize;
   std::memcpy(static_cast<void*>(&to), static_cast<const void*>(&from), size);
   to.struct_size = toSize;
+}
+
+/// Fills a caller's struct of `size` bytes with `defaults`; fields that this library does not know
+/// become zero. Null: nothing. A size that no version has had: a struct_size that every call
+/// refuses, where there is room for it.
+template <typename Struct>
+void initKnown(const Struct& defaults, Struct* settings, std::uint32_t size) {
+  if (settings == nullptr || size < sizeof settings->struct_size) return;
+  if (!isKnownSize<Struct>(size)) {
+    settings->struct_size = 0;
+    return;
+  }
+  std::memset(static_cast<void*>(settings), 0, size);
+  settings->struct_size = size;
+  copyKnown(defaults, *settings);
 }
 
 /// Puts what is given over the defaults in `known`; null: nothing. FOREWALK_OK, or the refusal of

@@ -178,8 +178,8 @@ using namespace forewalk::capi;
 
 extern "C" {
 
-void forewalk_world_settings_init(forewalk_world_settings* settings) {
-  if (settings != nullptr) *settings = defaultWorldSettings();
+void forewalk_world_settings_init(forewalk_world_settings* settings, uint32_t struct_size) {
+  initKnown(defaultWorldSettings(), settings, struct_size);
 }
 
 forewalk_status forewalk_world_from_file(const char* path, const forewalk_world_settings* settings,

@@ -86,7 +86,7 @@ int main(int argc, char **argv) {
   }
 
   /* Who walks: once per user. */
-  forewalk_session_settings_init(&settings);
+  forewalk_session_settings_init(&settings, sizeof settings);
   settings.controller = FOREWALK_CONTROLLER_S2C_PREDICTIVE;
   settings.limits = FOREWALK_LIMITS_LABORATORY;
   settings.width = 5.0f;

@@ -137,6 +137,15 @@ export interface Standing {
   cost?: number;
 }
 
+export interface Polygon {
+  /** Convex; counter-clockwise seen from above. */
+  corners: number[][];
+  /** Ways out of it; `edge` runs from that corner to the next, left and right as one walks out. */
+  portals: {to: number; edge: number; left: number[]; right: number[]}[];
+  /** The surface at its true height, three corners each. */
+  triangles: number[][][];
+}
+
 /** What is made by the library lives in its memory until it is released. */
 export interface Handle {
   release(): void;
@@ -144,6 +153,8 @@ export interface Handle {
 
 export interface Navmesh extends Handle {
   readonly polygonCount: number;
+  /** The walkable polygons, to draw and to pick from; GraphNode.polygon is a place in it. A copy. */
+  polygons(axes?: Axes): Polygon[];
   session(settings?: SessionSettings): Session;
 }
 

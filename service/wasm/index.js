@@ -135,8 +135,9 @@ class Library {
 
   space(settings = {}) {
     return this.with((scratch) => {
-      const at = scratch.take(this.layout['space_settings.size']);
-      this.core._forewalk_space_settings_init(at);
+      const size = this.layout['space_settings.size'];
+      const at = scratch.take(size);
+      this.core._forewalk_space_settings_init(at, size);
       const put = this.writer('space_settings', at);
       if (settings.axes) put.int('axes', indexOf(Object.keys(AXES), settings.axes, 'axes'));
       this.putRoom(put, settings, scratch);
@@ -171,12 +172,44 @@ class Navmesh extends Handle {
   get polygonCount() {
     return this.library.core._forewalk_navmesh_polygon_count(this.handle);
   }
+  polygons(axes = 'openxr') {
+    const {library} = this;
+    const {core, layout} = library;
+    return library.with((scratch) => {
+      const size = layout['navmesh_view.size'];
+      const view = scratch.take(size);
+      core.HEAPU32[view >> 2] = size;
+      library.check(core._forewalk_navmesh_polygons(
+        this.handle, indexOf(Object.keys(AXES), axes, 'axes'), view));
+      const {HEAPF32: f, HEAPU32: u} = core;
+      const field = (name) => u[(view + layout[`navmesh_view.${name}`]) >> 2];
+      const vector = (at) => [f[at >> 2], f[(at >> 2) + 1], f[(at >> 2) + 2]];
+      const rows = (start, list, bytes, polygon, make) => {
+        const first = u[(field(start) >> 2) + polygon];
+        const end = u[(field(start) >> 2) + polygon + 1];
+        return Array.from({length: end - first}, (_, i) => make(field(list) + (first + i) * bytes));
+      };
+      const portal = (at) => ({
+        to: u[(at + layout['portal.to']) >> 2],
+        edge: u[(at + layout['portal.edge']) >> 2],
+        left: vector(at + layout['portal.left']),
+        right: vector(at + layout['portal.right']),
+      });
+      const triangle = (at) => [vector(at), vector(at + 12), vector(at + 24)];
+      return Array.from({length: field('polygon_count')}, (_, polygon) => ({
+        corners: rows('corner_start', 'corners', 12, polygon, vector),
+        portals: rows('portal_start', 'portals', layout['portal.size'], polygon, portal),
+        triangles: rows('triangle_start', 'triangles', 36, polygon, triangle),
+      }));
+    });
+  }
   session(settings = {}) {
     const {library} = this;
     const {core} = library;
     return library.with((scratch) => {
-      const at = scratch.take(library.layout['session_settings.size']);
-      core._forewalk_session_settings_init(at);
+      const size = library.layout['session_settings.size'];
+      const at = scratch.take(size);
+      core._forewalk_session_settings_init(at, size);
       const put = library.writer('session_settings', at);
       if (settings.axes) put.int('axes', indexOf(Object.keys(AXES), settings.axes, 'axes'));
       if (settings.controller) put.int('controller', indexOf(CONTROLLERS, settings.controller, 'controller'));

@@ -151,7 +151,7 @@ void graph(forewalk_session* session) {
 forewalk_session_settings settingsFrom(Reader& reader, std::vector<forewalk_point2>& points,
                                        std::vector<std::size_t>& sizes) {
   forewalk_session_settings settings;
-  forewalk_session_settings_init(&settings);
+  forewalk_session_settings_init(&settings, sizeof settings);
   const auto touched = reader.raw<std::uint16_t>();
   settings.axes = reader.raw<std::uint8_t>() % 3;
   // A predictive one studies the room first, which takes long; veteran() sees to those.
@@ -215,7 +215,7 @@ forewalk_session* veteran(std::uint8_t choice) {
   forewalk_session*& session = sessions[choice % 6];
   if (session == nullptr) {
     forewalk_session_settings settings;
-    forewalk_session_settings_init(&settings);
+    forewalk_session_settings_init(&settings, sizeof settings);
     settings.axes = choice % 3;
     settings.controller =
         choice % 6 < 3 ? FOREWALK_CONTROLLER_S2C_PREDICTIVE : FOREWALK_CONTROLLER_S2O_PREDICTIVE;
@@ -242,7 +242,7 @@ forewalk_navmesh* navMeshFrom(Reader& reader) {
       std::vector<std::uint32_t> indices(reader.raw<std::uint8_t>() % 24u);
       for (std::uint32_t& index : indices) index = reader.raw<std::uint8_t>() % 13u;
       forewalk_build_settings settings;
-      forewalk_build_settings_init(&settings);
+      forewalk_build_settings_init(&settings, sizeof settings);
       settings.partition = reader.raw<std::uint8_t>() % 4;
       if (reader.raw<std::uint8_t>() % 4 == 0) settings.slope = reader.number();
       if (reader.raw<std::uint8_t>() % 4 == 0) settings.radius = reader.number();

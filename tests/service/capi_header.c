@@ -27,8 +27,8 @@ int capi_walk_in_c(forewalk_frame_out *out) {
   forewalk_navmesh *navmesh = NULL;
   forewalk_session *session = NULL;
   forewalk_status status;
-  forewalk_build_settings_init(&build);
-  forewalk_session_settings_init(&settings);
+  forewalk_build_settings_init(&build, sizeof build);
+  forewalk_session_settings_init(&settings, sizeof settings);
   status = forewalk_navmesh_from_triangles(vertices, 4, indices, 6, FOREWALK_AXES_OPENXR, &build,
                                            &navmesh);
   if (status == FOREWALK_OK) status = forewalk_session_create(navmesh, &settings, &session);

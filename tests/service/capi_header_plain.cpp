@@ -5,7 +5,7 @@ forewalk_status openAndFrame(const char* scene, forewalk_frame_out* out) {
   forewalk_navmesh* navmesh = nullptr;
   forewalk_session* session = nullptr;
   forewalk_session_settings settings;
-  forewalk_session_settings_init(&settings);
+  forewalk_session_settings_init(&settings, sizeof settings);
   settings.axes = FOREWALK_AXES_UNREAL;
   forewalk_status status = forewalk_navmesh_from_file(scene, nullptr, &navmesh);
   if (status == FOREWALK_OK) status = forewalk_session_create(navmesh, &settings, &session);

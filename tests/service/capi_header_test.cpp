@@ -36,6 +36,7 @@ TEST(CapiLibrary, ShowsTheseNamesAndNoOther) {
       "forewalk_navmesh_from_fwmesh",
       "forewalk_navmesh_from_triangles",
       "forewalk_navmesh_polygon_count",
+      "forewalk_navmesh_polygons",
       "forewalk_navmesh_release",
       "forewalk_navmesh_retain",
       "forewalk_navmesh_save",
@@ -192,6 +193,13 @@ TEST(CapiHeader, LaysItsStructsOutAsEver) {
   EXPECT_EQ(sizeof(forewalk_world_settings), 32u);
   EXPECT_EQ(offsetof(forewalk_world_settings, build), 8u);
   EXPECT_EQ(offsetof(forewalk_world_settings, door_count), 24u);
+
+  EXPECT_EQ(sizeof(forewalk_portal), 32u);
+  EXPECT_EQ(offsetof(forewalk_portal, left), 8u);
+  EXPECT_EQ(sizeof(forewalk_navmesh_view), 56u);
+  EXPECT_EQ(offsetof(forewalk_navmesh_view, corner_start), 8u);
+  EXPECT_EQ(offsetof(forewalk_navmesh_view, portals), 32u);
+  EXPECT_EQ(offsetof(forewalk_navmesh_view, triangles), 48u);
 
   EXPECT_EQ(sizeof(forewalk_graph_view), 104u);
   EXPECT_EQ(offsetof(forewalk_graph_view, nodes), 8u);

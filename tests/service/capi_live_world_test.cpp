@@ -46,7 +46,7 @@ WorldHandle makeWorld(bool open, forewalk_axes axes = FOREWALK_AXES_OPENXR) {
   const testing::SceneArrays arrays = testing::arraysOf(rooms());
   const forewalk_door door = doorway(open);
   forewalk_world_settings settings;
-  forewalk_world_settings_init(&settings);
+  forewalk_world_settings_init(&settings, sizeof settings);
   settings.axes = axes;
   settings.doors = &door;
   settings.door_count = 1;
@@ -145,7 +145,7 @@ TEST(CapiLiveWorld, IsToldInItsOwnAxes) {
   forewalk_door door = doorway(false);
   door.corners = corners.data();
   forewalk_world_settings settings;
-  forewalk_world_settings_init(&settings);
+  forewalk_world_settings_init(&settings, sizeof settings);
   settings.axes = FOREWALK_AXES_UNITY;
   settings.doors = &door;
   settings.door_count = 1;

@@ -343,52 +343,6 @@ TEST(CapiSession, RefusesSettingsThatCannotWork) {
   EXPECT_TRUE(testing::isFinite(frame(makeSession(navmesh, settings), {})));
 }
 
-TEST(CapiNavMesh, RefusesSettingsThatCannotWork) {
-  const testing::SceneArrays scene = testing::arraysOf(testing::twoRooms(0.9f));
-  const auto refused = [&](const std::function<void(forewalk_build_settings&)>& spoil) {
-    forewalk_build_settings settings;
-    forewalk_build_settings_init(&settings);
-    spoil(settings);
-    auto* navmesh = reinterpret_cast<forewalk_navmesh*>(0x1);
-    const forewalk_status status = forewalk_navmesh_from_triangles(
-        scene.vertices.data(), scene.vertices.size() / 3, scene.indices.data(),
-        scene.indices.size(), FOREWALK_AXES_OPENXR, &settings, &navmesh);
-    EXPECT_EQ(navmesh, nullptr);
-    return status;
-  };
-  EXPECT_EQ(refused([](auto& s) { s.struct_size = 8; }), FOREWALK_ERROR_ARGUMENT);
-  EXPECT_EQ(refused([](auto& s) { s.partition = 3; }), FOREWALK_ERROR_ARGUMENT);
-  EXPECT_EQ(refused([](auto& s) { s.cell = 0; }), FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
-  EXPECT_EQ(refused([](auto& s) { s.metres_per_unit = -1; }), FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
-  EXPECT_EQ(refused([](auto& s) { s.slope = std::nanf(""); }), FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
-  EXPECT_EQ(refused([](auto& s) { s.radius = 3; }), FOREWALK_ERROR_NOTHING_WALKABLE);
-}
-
-TEST(CapiNavMesh, RefusesTrianglesThatAreNone) {
-  testing::SceneArrays scene = testing::arraysOf(testing::twoRooms(0.9f));
-  forewalk_navmesh* navmesh = nullptr;
-  const auto build = [&](std::size_t indexCount, forewalk_axes axes = FOREWALK_AXES_OPENXR) {
-    return forewalk_navmesh_from_triangles(scene.vertices.data(), scene.vertices.size() / 3,
-                                           scene.indices.data(), indexCount, axes, nullptr,
-                                           &navmesh);
-  };
-  EXPECT_EQ(build(0), FOREWALK_ERROR_SCENE_EMPTY);
-  EXPECT_EQ(build(5), FOREWALK_ERROR_DATA_DAMAGED);
-  EXPECT_EQ(build(6, 7), FOREWALK_ERROR_ARGUMENT);
-  EXPECT_EQ(build(SIZE_MAX), FOREWALK_ERROR_TOO_LARGE);
-  // A floor that is wound the other way is a ceiling.
-  std::swap(scene.indices[1], scene.indices[2]);
-  std::swap(scene.indices[4], scene.indices[5]);
-  EXPECT_EQ(build(6), FOREWALK_ERROR_NOTHING_WALKABLE);
-  scene.indices[4] = 4000000000u;
-  EXPECT_EQ(build(6), FOREWALK_ERROR_DATA_DAMAGED);
-  EXPECT_NE(std::string(forewalk_last_error()).find("4000000000"), std::string::npos);
-  scene.indices[4] = 0;
-  scene.vertices[1] = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(build(6), FOREWALK_ERROR_DATA_DAMAGED);
-  EXPECT_EQ(navmesh, nullptr);
-}
-
 TEST(CapiInterface, RefusesNull) {
   const NavMeshHandle navmesh = makeNavMesh(testing::twoRooms(0.9f));
   const SessionHandle session = makeSession(navmesh, defaultSettings());
@@ -428,8 +382,8 @@ TEST(CapiInterface, RefusesNull) {
   forewalk_navmesh_retain(nullptr);
   forewalk_navmesh_release(nullptr);
   forewalk_session_destroy(nullptr);
-  forewalk_build_settings_init(nullptr);
-  forewalk_session_settings_init(nullptr);
+  forewalk_build_settings_init(nullptr, 0);
+  forewalk_session_settings_init(nullptr, 0);
   // Null settings are the defaults.
   EXPECT_EQ(forewalk_session_create(navmesh.get(), nullptr, &opened), FOREWALK_OK);
   forewalk_session_destroy(opened);
@@ -489,6 +443,36 @@ TEST(CapiStructs, OfAnOlderCallerAreReadAndFilledAsFarAsTheyGo) {
   EXPECT_EQ(view.struct_size, kFirstView);
   const auto after = bytesOf(view);
   EXPECT_TRUE(std::equal(after.begin() + kFirstView, after.end(), before.begin() + kFirstView));
+}
+
+TEST(CapiStructs, AreInitialisedAsFarAsTheCallerKnowsThem) {
+  const forewalk_session_settings whole = inTheWestRoom();
+  forewalk_session_settings older;
+  std::memset(&older, 0xcd, sizeof older);
+  const auto before = bytesOf(older);
+  forewalk_session_settings_init(&older, kFirstSettings);
+  const auto after = bytesOf(older);
+  EXPECT_EQ(older.struct_size, kFirstSettings);
+  EXPECT_EQ(older.horizon, whole.horizon);
+  EXPECT_TRUE(
+      std::equal(after.begin() + kFirstSettings, after.end(), before.begin() + kFirstSettings));
+
+  NewerSettings newer;
+  std::memset(&newer, 0xcd, sizeof newer);
+  forewalk_session_settings_init(&newer.known, sizeof newer);
+  EXPECT_EQ(newer.known.struct_size, sizeof newer);
+  EXPECT_EQ(newer.known.horizon, whole.horizon);
+  for (const std::uint64_t word : newer.added) EXPECT_EQ(word, 0u);
+
+  // No version's size: nothing but the size is written, and no call takes it.
+  for (const std::uint32_t size : {4u, 8u, 4097u, 0xffffffffu}) {
+    forewalk_session_settings odd;
+    std::memset(&odd, 0xcd, sizeof odd);
+    forewalk_session_settings_init(&odd, size);
+    EXPECT_EQ(odd.struct_size, 0u);
+    odd.struct_size = 0xcdcdcdcdu;
+    EXPECT_EQ(bytesOf(odd), before);
+  }
 }
 
 TEST(CapiStructs, OfSizesThatNoVersionHadAreLeftAlone) {
@@ -600,62 +584,6 @@ TEST(CapiNavMesh, MayBeReleasedBeforeItsSessions) {
   }
 }
 
-std::vector<unsigned char> saved(const NavMeshHandle& navmesh) {
-  std::size_t size = 0;
-  EXPECT_EQ(forewalk_navmesh_save(navmesh.get(), nullptr, &size), FOREWALK_OK);
-  std::vector<unsigned char> bytes(size);
-  EXPECT_EQ(forewalk_navmesh_save(navmesh.get(), bytes.data(), &size), FOREWALK_OK);
-  EXPECT_EQ(size, bytes.size());
-  return bytes;
-}
-
-TEST(CapiNavMesh, IsTheSameAfterSavingAndLoading) {
-  const NavMeshHandle navmesh = makeNavMesh(testing::twoStoreys());
-  std::vector<unsigned char> bytes = saved(navmesh);
-  forewalk_navmesh* loaded = nullptr;
-  ASSERT_EQ(forewalk_navmesh_from_fwmesh(bytes.data(), bytes.size(), &loaded), FOREWALK_OK);
-  const NavMeshHandle again(loaded);
-  EXPECT_EQ(saved(again), bytes);
-  EXPECT_EQ(forewalk_navmesh_polygon_count(loaded), forewalk_navmesh_polygon_count(navmesh.get()));
-
-  std::size_t small = bytes.size() - 1;
-  EXPECT_EQ(forewalk_navmesh_save(navmesh.get(), bytes.data(), &small), FOREWALK_ERROR_ARGUMENT);
-  EXPECT_EQ(small, bytes.size());
-
-  for (std::size_t size = 0; size < bytes.size(); size += 1 + bytes.size() / 97) {
-    const std::vector<unsigned char> cut(bytes.begin(),
-                                         bytes.begin() + static_cast<std::ptrdiff_t>(size));
-    forewalk_navmesh* none = nullptr;
-    EXPECT_NE(forewalk_navmesh_from_fwmesh(cut.data(), cut.size(), &none), FOREWALK_OK) << size;
-    EXPECT_EQ(none, nullptr);
-  }
-}
-
-TEST(CapiNavMesh, IsReadFromFiles) {
-  const std::string scene = std::string(FOREWALK_ASSETS) + "/scenes/corridor.obj";
-  forewalk_navmesh* made = nullptr;
-  ASSERT_EQ(forewalk_navmesh_from_file(scene.c_str(), nullptr, &made), FOREWALK_OK)
-      << forewalk_last_error();
-  const NavMeshHandle built(made);
-  EXPECT_GT(forewalk_navmesh_polygon_count(made), 0u);
-
-  const auto folder = std::filesystem::path(::testing::TempDir());
-  const std::string file = (folder / "forewalk capi \xc3\xa4.fwmesh").string();
-  const std::vector<unsigned char> bytes = saved(built);
-  std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  ASSERT_EQ(forewalk_navmesh_from_file(file.c_str(), nullptr, &made), FOREWALK_OK);
-  EXPECT_EQ(saved(NavMeshHandle(made)), bytes);
-  std::filesystem::remove(file);
-
-  EXPECT_EQ(forewalk_navmesh_from_file(file.c_str(), nullptr, &made),
-            FOREWALK_ERROR_FILE_UNREADABLE);
-  EXPECT_EQ(made, nullptr);
-  EXPECT_EQ(forewalk_navmesh_from_file("", nullptr, &made), FOREWALK_ERROR_FORMAT_UNKNOWN);
-  EXPECT_EQ(forewalk_navmesh_from_file("scene.txt", nullptr, &made), FOREWALK_ERROR_FORMAT_UNKNOWN);
-}
-
 TEST(CapiLastError, IsValidUtf8WhateverTheFileIsCalled) {
   forewalk_navmesh* made = nullptr;
   EXPECT_NE(forewalk_navmesh_from_file("no \xff\xc3[ such \xe2\x82.obj", nullptr, &made),
@@ -666,36 +594,6 @@ TEST(CapiLastError, IsValidUtf8WhateverTheFileIsCalled) {
             FOREWALK_OK);
   EXPECT_NE(std::string(forewalk_last_error()).find("s\xc3\xbc\xe2\x82\xacht.obj"),
             std::string::npos);
-}
-
-// --- an engine's triangles
-
-TEST(CapiNavMesh, IsTheSameFromEveryEnginesTriangles) {
-  const navmesh::Scene scene = testing::twoRooms(0.875f);
-  testing::SceneArrays ours = testing::arraysOf(scene);
-  // On a grid that centimetres hold.
-  for (float& coordinate : ours.vertices) coordinate = std::round(1024.0f * coordinate) / 1024.0f;
-  testing::SceneArrays unity = ours, unreal = ours, zUp = ours;
-  for (std::size_t i = 0; i < ours.vertices.size(); i += 3) {
-    const float x = ours.vertices[i], y = ours.vertices[i + 1], z = ours.vertices[i + 2];
-    unity.vertices[i + 2] = -z;
-    unreal.vertices[i] = -100.0f * z;
-    unreal.vertices[i + 1] = 100.0f * x;
-    unreal.vertices[i + 2] = 100.0f * y;
-    zUp.vertices[i + 1] = -z;
-    zUp.vertices[i + 2] = y;
-  }
-  for (std::size_t i = 0; i < ours.indices.size(); i += 3) {
-    std::swap(unity.indices[i + 1], unity.indices[i + 2]);
-  }
-  forewalk_build_settings up;
-  forewalk_build_settings_init(&up);
-  up.z_up = 1;
-  const std::vector<unsigned char> expected = saved(makeNavMesh(ours));
-  EXPECT_EQ(saved(makeNavMesh(unity, FOREWALK_AXES_UNITY)), expected);
-  EXPECT_EQ(saved(makeNavMesh(unreal, FOREWALK_AXES_UNREAL)), expected);
-  EXPECT_EQ(saved(makeNavMesh(unreal, FOREWALK_AXES_UNREAL, &up)), expected);  // z_up is not used
-  EXPECT_EQ(saved(makeNavMesh(zUp, FOREWALK_AXES_OPENXR, &up)), expected);
 }
 
 // --- starts, teleports, tracked spaces

@@ -22,7 +22,7 @@ using SpaceHandle = std::unique_ptr<forewalk_space, SpaceRelease>;
 SpaceHandle makeSpace(float width, float depth, std::uint32_t users = 16,
                       forewalk_axes axes = FOREWALK_AXES_OPENXR) {
   forewalk_space_settings settings;
-  forewalk_space_settings_init(&settings);
+  forewalk_space_settings_init(&settings, sizeof settings);
   settings.axes = axes;
   settings.width = width;
   settings.depth = depth;
@@ -182,17 +182,17 @@ TEST(CapiSpace, IsReadAndWrittenByManyThreads) {
 
 TEST(CapiSpace, SaysWhatCannotWork) {
   forewalk_space_settings settings;
-  forewalk_space_settings_init(&settings);
+  forewalk_space_settings_init(&settings, sizeof settings);
   forewalk_space* space = nullptr;
   EXPECT_EQ(forewalk_space_create(&settings, nullptr), FOREWALK_ERROR_ARGUMENT);
   settings.body_radius = -1.0f;
   EXPECT_EQ(forewalk_space_create(&settings, &space), FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
   EXPECT_THAT(forewalk_last_error(), HasSubstr("body_radius of -1"));
-  forewalk_space_settings_init(&settings);
+  forewalk_space_settings_init(&settings, sizeof settings);
   settings.user_limit = 65;
   EXPECT_EQ(forewalk_space_create(&settings, &space), FOREWALK_ERROR_SETTING_OUT_OF_RANGE);
   EXPECT_THAT(forewalk_last_error(), HasSubstr("user_limit of 65"));
-  forewalk_space_settings_init(&settings);
+  forewalk_space_settings_init(&settings, sizeof settings);
   settings.axes = 3;
   EXPECT_EQ(forewalk_space_create(&settings, &space), FOREWALK_ERROR_ARGUMENT);
   settings.struct_size = 3;

@@ -74,7 +74,7 @@ inline SessionHandle makeSession(const NavMeshHandle& navmesh,
 
 inline forewalk_session_settings defaultSettings() {
   forewalk_session_settings settings;
-  forewalk_session_settings_init(&settings);
+  forewalk_session_settings_init(&settings, sizeof settings);
   return settings;
 }
 

@@ -12,6 +12,7 @@ SHOW(forewalk_navmesh_from_file);
 SHOW(forewalk_navmesh_from_fwmesh);
 SHOW(forewalk_navmesh_from_triangles);
 SHOW(forewalk_navmesh_polygon_count);
+SHOW(forewalk_navmesh_polygons);
 SHOW(forewalk_navmesh_release);
 SHOW(forewalk_navmesh_retain);
 SHOW(forewalk_navmesh_save);

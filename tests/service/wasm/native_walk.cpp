@@ -72,7 +72,7 @@ int walkAndWrite(const Walk& walk, const std::filesystem::path& folder) {
   if (forewalk_navmesh_from_fwmesh(fwmesh.data(), fwmesh.size(), &navmesh) != FOREWALK_OK)
     return refused(forewalk_last_error());
   forewalk_session_settings settings;
-  forewalk_session_settings_init(&settings);
+  forewalk_session_settings_init(&settings, sizeof settings);
   settings.controller = walk.controllerConstant;
   settings.reset = walk.resetConstant;
   settings.method = walk.methodConstant;

@@ -28,9 +28,8 @@ namespace Forewalk
         public BuildSettings()
         {
             ForewalkLibrary.Load();
-            byte* memory = stackalloc byte[Native.LargestStruct];
-            Native.forewalk_build_settings_init(memory);
-            NativeBuildSettings defaults = *(NativeBuildSettings*)memory;
+            NativeBuildSettings defaults;
+            Native.forewalk_build_settings_init(&defaults, (uint)sizeof(NativeBuildSettings));
             ZUp = defaults.ZUp != 0;
             MetresPerUnit = defaults.MetresPerUnit;
             Radius = defaults.Radius;

@@ -210,10 +210,9 @@ namespace Forewalk
             public PinnedWorld(BuildSettings settings, Door[] doors)
             {
                 ForewalkLibrary.Load();
-                byte* memory = stackalloc byte[Native.LargestStruct];
-                Native.forewalk_world_settings_init(memory);
-                Settings = *(NativeWorldSettings*)memory;
-                Settings.StructSize = (uint)sizeof(NativeWorldSettings);
+                NativeWorldSettings defaults;
+                Native.forewalk_world_settings_init(&defaults, (uint)sizeof(NativeWorldSettings));
+                Settings = defaults;
                 Settings.Axes = Axes.Unity;
                 if (settings != null)
                 {

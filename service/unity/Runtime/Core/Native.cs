@@ -146,10 +146,6 @@ namespace Forewalk
 #endif
         private const CallingConvention C = CallingConvention.Cdecl;
 
-        // Larger than any struct that a version of the library will have: an _init function writes the
-        // library's own size, which may be more than ours.
-        public const int LargestStruct = 4096;
-
         [DllImport(Library, CallingConvention = C)]
         public static extern uint forewalk_version();
         [DllImport(Library, CallingConvention = C)]
@@ -159,7 +155,7 @@ namespace Forewalk
                                                    LogLevel most);
 
         [DllImport(Library, CallingConvention = C)]
-        public static extern void forewalk_build_settings_init(void* settings);
+        public static extern void forewalk_build_settings_init(void* settings, uint structSize);
         [DllImport(Library, CallingConvention = C)]
         public static extern Status forewalk_navmesh_from_file(byte* path,
             NativeBuildSettings* settings, out NavMeshHandle navmesh);
@@ -179,7 +175,7 @@ namespace Forewalk
         public static extern void forewalk_navmesh_release(IntPtr navmesh);
 
         [DllImport(Library, CallingConvention = C)]
-        public static extern void forewalk_space_settings_init(void* settings);
+        public static extern void forewalk_space_settings_init(void* settings, uint structSize);
         [DllImport(Library, CallingConvention = C)]
         public static extern Status forewalk_space_create(NativeSpaceSettings* settings,
                                                           out SpaceHandle space);
@@ -187,7 +183,7 @@ namespace Forewalk
         public static extern void forewalk_space_release(IntPtr space);
 
         [DllImport(Library, CallingConvention = C)]
-        public static extern void forewalk_session_settings_init(void* settings);
+        public static extern void forewalk_session_settings_init(void* settings, uint structSize);
         [DllImport(Library, CallingConvention = C)]
         public static extern Status forewalk_session_create(NavMeshHandle navmesh,
             NativeSessionSettings* settings, out SessionHandle session);
@@ -221,7 +217,7 @@ namespace Forewalk
                                                            NavMeshHandle navmesh);
 
         [DllImport(Library, CallingConvention = C)]
-        public static extern void forewalk_world_settings_init(void* settings);
+        public static extern void forewalk_world_settings_init(void* settings, uint structSize);
         [DllImport(Library, CallingConvention = C)]
         public static extern Status forewalk_world_from_file(byte* path,
             NativeWorldSettings* settings, out WorldHandle world);

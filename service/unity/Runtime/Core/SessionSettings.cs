@@ -54,9 +54,8 @@ namespace Forewalk
         public SessionSettings()
         {
             ForewalkLibrary.Load();
-            byte* memory = stackalloc byte[Native.LargestStruct];
-            Native.forewalk_session_settings_init(memory);
-            NativeSessionSettings defaults = *(NativeSessionSettings*)memory;
+            NativeSessionSettings defaults;
+            Native.forewalk_session_settings_init(&defaults, (uint)sizeof(NativeSessionSettings));
             Controller = defaults.Controller;
             Limits = defaults.Limits;
             Horizon = defaults.Horizon;

@@ -51,9 +51,8 @@ namespace Forewalk
         public SpaceSettings()
         {
             ForewalkLibrary.Load();
-            byte* memory = stackalloc byte[Native.LargestStruct];
-            Native.forewalk_space_settings_init(memory);
-            NativeSpaceSettings defaults = *(NativeSpaceSettings*)memory;
+            NativeSpaceSettings defaults;
+            Native.forewalk_space_settings_init(&defaults, (uint)sizeof(NativeSpaceSettings));
             Width = defaults.Width;
             Depth = defaults.Depth;
             BodyRadius = defaults.BodyRadius;
