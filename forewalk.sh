@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets forewalk up on Debian 12 and runs it: ./forewalk.sh demo | test | test all | bench | compare | wasm | help
+# Sets forewalk up on Debian 12 and runs it; ./forewalk.sh help names the verbs.
 #
 # Installs what is missing (as root, or through sudo), builds below build/, runs. Doing it again does only
 # what is left to do. Takes no question; a step that fails is named, with what to look at.
@@ -16,6 +16,8 @@ PACKAGES=(g++ cmake make
 # `test all` asks for them.
 PACKAGES_ALL=(clang nginx-light abigail-tools mono-mcs mono-runtime slurm-wlm
   libopenxr-dev libopenxr-loader1 openxr-layer-corevalidation)
+# The inspector is walked through in a browser.
+PACKAGES_BROWSER=(chromium)
 # What the WebAssembly package is built and tested with: `wasm` and `test all`.
 PACKAGES_WASM=(emscripten nodejs node-typescript cmake make libglm-dev nlohmann-json3-dev libexpected-dev libfmt-dev)
 
@@ -27,6 +29,7 @@ help() {
 ./forewalk.sh bench     build and run the benchmarks
 ./forewalk.sh compare   every controller against foresight and the ceiling: out/comparison/index.html (half an hour)
 ./forewalk.sh wasm      build the package for browsers and node, build/wasm/service/wasm/package
+./forewalk.sh inspector build the page that shows it all, and serve it with a bundled building
 ./forewalk.sh help      this text
 
 Needs Debian 12, root or sudo for packages that are missing, and about 1 GB of disk.
@@ -45,6 +48,8 @@ fail() {  # fail HINT: ends with the step's name and what to look at
   printf '\nforewalk.sh: step %d of %d failed: %s.\n%s\n' "$step" "$steps" "$what" "$1" >&2
   exit 1
 }
+
+npm_package() { command -v npm >/dev/null || echo npm; }  # there are others than Debian's
 
 jobs() { nproc 2>/dev/null || echo 2; }
 
@@ -149,10 +154,47 @@ wasm() {
   printf '\nThe package is %s\n' "$PWD/build/wasm/service/wasm/package"
 }
 
+# The page, build/inspector/page: needs the forewalk command of the release build, and the WebAssembly package.
+build_inspector() {
+  begin "building the inspector"
+  local scene out=build/inspector/buildings
+  mkdir -p "$out"
+  for scene in assets/scenes/*.obj; do
+    build/release/service/forewalk build "$scene" --out "$out/$(basename "$scene" .obj).fwmesh" >/dev/null ||
+      fail "The line above says why."
+  done
+  # Packages are locked by version and hash; npm ci takes no others.
+  if ! cmp -s service/inspector/package-lock.json service/inspector/node_modules/.forewalk-lock.json; then
+    npm ci --prefix service/inspector --ignore-scripts --no-audit --no-fund >"$(log npm)" 2>&1 || {
+      tail -n 20 "$(log npm)" >&2
+      fail "npm ci: is there a network? The whole output is in $(log npm)."
+    }
+    cp service/inspector/package-lock.json service/inspector/node_modules/.forewalk-lock.json
+  fi
+  npm run --silent --prefix service/inspector check || fail "The compiler's message is above."
+  FOREWALK_BUILD="$PWD/build" npm run --silent --prefix service/inspector build -- --logLevel warn ||
+    fail "The message is above."
+  echo "build/inspector/page/index.html is there"
+}
+
+inspector() {
+  steps=6
+  begin "installing what is missing"
+  install_packages "${PACKAGES[@]}" "${PACKAGES_WASM[@]}" $(npm_package)
+  build_wasm
+  begin "configuring and building the forewalk command"
+  configure release
+  build release forewalk
+  build_inspector
+  begin "serving the museum"
+  echo "open http://127.0.0.1:7878/ in a browser; Ctrl-C ends it"
+  exec build/release/service/forewalk serve "${@:-assets/scenes/museum.obj}" --inspector build/inspector/page
+}
+
 run_all_tests() {
   case "${1:-}" in
     "") steps=4 ;;
-    all) steps=12 ;;
+    all) steps=13 ;;
     *)
       help >&2
       exit 2
@@ -160,14 +202,20 @@ run_all_tests() {
   esac
   begin "installing what is missing"
   if [ "${1:-}" = all ]; then
-    install_packages "${PACKAGES[@]}" "${PACKAGES_ALL[@]}" "${PACKAGES_WASM[@]}"
+    install_packages "${PACKAGES[@]}" "${PACKAGES_ALL[@]}" "${PACKAGES_WASM[@]}" "${PACKAGES_BROWSER[@]}" $(npm_package)
   else
     install_packages "${PACKAGES[@]}"
   fi
   if [ "${1:-}" = all ]; then build_wasm; fi
   # Benchmarks are built only where all is asked for, so that they do not rot.
   if [ "${1:-}" = all ]; then
-    test_preset release "optimised" all benchmarks
+    begin "configuring release (optimised)"
+    configure release
+    begin "building release"
+    build release all benchmarks
+    build_inspector
+    begin "testing release"
+    run_tests release
   else
     test_preset release "optimised" all
   fi
@@ -256,6 +304,7 @@ case "$verb" in
   bench) bench "$@" ;;
   compare) compare "$@" ;;
   wasm) wasm ;;
+  inspector) inspector "$@" ;;
   help | -h | --help) help ;;
   *)
     printf 'forewalk.sh: there is no "%s".\n\n' "$verb" >&2

@@ -1,0 +1,7 @@
+import {load} from 'forewalk';
+import {buildings} from './buildings';
+
+const forewalk = await load();
+const main = document.getElementById('inspector')!;
+main.textContent = buildings.map((building) =>
+  `${building.name}: ${forewalk.navmesh(building.fwmesh).polygonCount} polygons`).join(', ');
