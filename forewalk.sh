@@ -84,8 +84,9 @@ install_packages() {  # install_packages PACKAGE...
 
 configure() {  # configure PRESET
   local arguments=(--preset "$1")
-  # The generator and the compiler cache are chosen once; a build folder keeps its own.
+  # The generator, the compiler cache and how much is compiled at once are chosen once; a build folder keeps its own.
   if [ ! -f "build/$1/CMakeCache.txt" ]; then
+    [ "$1" = wasm ] || arguments+=(-DFOREWALK_UNITY=ON)
     if command -v ninja >/dev/null; then arguments+=(-G Ninja); fi
     if command -v ccache >/dev/null && [ "$1" != wasm ]; then
       arguments+=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)

@@ -21,7 +21,7 @@ using rdw::Fields;
 using rdw::Json;
 using rdw::Problem;
 
-constexpr std::string_view kFormat = "forewalk.crowd/1";
+constexpr std::string_view kCrowdFormat = "forewalk.crowd/1";
 constexpr std::uint32_t kMostAgents = 100000;
 constexpr std::size_t kMostPoints = 100000;
 
@@ -346,7 +346,7 @@ tl::expected<CrowdConfig, Error> parseCrowd(std::span<const std::byte> bytes,
   Problem problem(name);
   CrowdConfig config;
   Fields fields(*json, "", problem, "in a crowd");
-  rdw::requireFormat(fields, kFormat);
+  rdw::requireFormat(fields, kCrowdFormat);
   fields.text("scene", config.scene);
   rdw::readImport(fields, config.import);
   rdw::readBuild(fields, config.build);

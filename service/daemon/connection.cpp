@@ -19,7 +19,6 @@ namespace websocket = beast::websocket;
 
 namespace {
 
-constexpr double kClosingSeconds = 1.0;  // for a client to take its leave
 constexpr std::string_view kSessionPath = "/v1/session";
 constexpr std::string_view kPlain = "text/plain; charset=utf-8";
 

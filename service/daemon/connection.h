@@ -26,6 +26,8 @@ namespace forewalk::daemon {
 
 namespace beast = boost::beast;
 
+inline constexpr double kClosingSeconds = 1.0;  ///< for a client to take its leave
+
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Shared& shared, Worker& worker, Socket socket);

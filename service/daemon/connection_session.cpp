@@ -22,7 +22,6 @@ namespace websocket = beast::websocket;
 
 namespace {
 
-constexpr double kClosingSeconds = 1.0;  // for a client to take its leave
 
 websocket::close_code closeCodeOf(Refusal refusal) {
   switch (refusal) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto kSweepEvery = std::chrono::milliseconds(250);
 
-tl::unexpected<Error> refuse(std::string message) {
+tl::unexpected<Error> cannotStart(std::string message) {
   return tl::unexpected(Error{ErrorCode::kSettingOutOfRange, std::move(message)});
 }
 
@@ -80,8 +80,9 @@ tl::expected<Tcp::endpoint, Error> listen(Shared& shared) {
   if (!failure) acceptor.bind(endpoint, failure);
   if (!failure) acceptor.listen(asio::socket_base::max_listen_connections, failure);
   if (failure) {
-    return refuse(fmt::format("--listen {} --port {}: {}. Give another one, or port 0 for any.",
-                              access.address, access.port, failure.message()));
+    return cannotStart(
+        fmt::format("--listen {} --port {}: {}. Give another one, or port 0 for any.",
+                    access.address, access.port, failure.message()));
   }
   return acceptor.local_endpoint();
 }
@@ -146,7 +147,7 @@ tl::expected<std::unique_ptr<Daemon>, Error> Daemon::start(
   if (auto sound = validate(settings.access); !sound) return tl::unexpected(sound.error());
   if (settings.stateKey.empty()) settings.stateKey = randomBytes(kLeastKeyBytes);
   if (settings.stateKey.size() < kLeastKeyBytes) {
-    return refuse(
+    return cannotStart(
         fmt::format("state key: {} bytes; give at least {}, for example from: openssl "
                     "rand -hex 32",
                     settings.stateKey.size(), kLeastKeyBytes));

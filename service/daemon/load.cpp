@@ -1,7 +1,6 @@
 #include "service/daemon/load.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <boost/asio/connect.hpp>
@@ -22,6 +21,7 @@
 #include <optional>
 #include <utility>
 
+#include "service/daemon/metrics.h"
 #include "service/timing.h"
 
 namespace forewalk::daemon {
@@ -35,13 +35,6 @@ using Tcp = asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 using Socket = asio::basic_stream_socket<Tcp, asio::io_context::executor_type>;
 using Failure = boost::system::error_code;
-
-double processorSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 double secondsBetween(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();

@@ -38,16 +38,7 @@ std::uint64_t residentBytes() {
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-double processorSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-class Page {
+class MetricsText {
  public:
   void family(std::string_view name, std::string_view kind, std::string_view help) {
     fmt::format_to(at_, "# HELP {0} {2}\n# TYPE {0} {1}\n", name, kind, help);
@@ -70,6 +61,15 @@ class Page {
 
 }  // namespace
 
+double processorSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 std::string_view nameOf(Refusal refusal) { return kNames[static_cast<std::size_t>(refusal)]; }
 
 void Counters::frame(std::uint64_t nanoseconds) {
@@ -88,7 +88,7 @@ std::string metricsText(std::span<const Counters* const> threads, const DaemonFa
   };
   const auto begun = sum([](const Counters& c) -> const Counter& { return c.sessionsBegun; });
   const auto ended = sum([](const Counters& c) -> const Counter& { return c.sessionsEnded; });
-  Page page;
+  MetricsText page;
   page.family("forewalk_build_info", "gauge", "Version, and hash of the navmesh.");
   page.sample("forewalk_build_info",
               fmt::format(R"({{version="{}",navmesh="{}"}})", facts.version, facts.navMesh), 1);

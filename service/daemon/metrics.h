@@ -37,6 +37,9 @@ enum class Refusal : std::uint8_t {
 };
 std::string_view nameOf(Refusal refusal);
 
+/// Processor time that this process has used, seconds.
+double processorSeconds();
+
 /// A number that one thread counts and others read.
 class Counter {
  public:

@@ -64,7 +64,7 @@ double most(const std::vector<double>& values) {
 }
 
 /// Infinity and NaN are no numbers in that form.
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "N/A"; }
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "N/A"; }
 
 /// A cell that keeps to its column.
 std::string cell(std::string text) {
@@ -95,7 +95,7 @@ void addUser(std::string& text, const ExperimentPlan& plan, const Row& row, std:
   };
   const auto metric = [&](Metric which) { return of.values[static_cast<std::size_t>(which)]; };
   const auto value = [&](OpenRdwValue which) {
-    return number(of.openRdw[static_cast<std::size_t>(which)]);
+    return cell(of.openRdw[static_cast<std::size_t>(which)]);
   };
   const auto pair = [&](OpenRdwValue x, OpenRdwValue y) {
     return fmt::format("({}, {})", value(x), value(y));
@@ -115,22 +115,22 @@ void addUser(std::string& text, const ExperimentPlan& plan, const Row& row, std:
       name(Axis::kVariant),
       fmt::format("{}", plan.seedOf(row.run)),
       fmt::format("{}", user),
-      number(metric(Metric::kResets)),
-      number(metric(Metric::kVirtualMetres)),
-      number(metric(Metric::kVirtualMetres) / pieces),
-      number(metric(Metric::kSeconds) / pieces),
+      cell(metric(Metric::kResets)),
+      cell(metric(Metric::kVirtualMetres)),
+      cell(metric(Metric::kVirtualMetres) / pieces),
+      cell(metric(Metric::kSeconds) / pieces),
       value(V::kInjectedTranslation),
       value(V::kInjectedByRotation),
       value(V::kInjectedByCurvature),
-      number(metric(Metric::kPhysicalMetres)),
-      number(metric(Metric::kVirtualMetres)),
+      cell(metric(Metric::kPhysicalMetres)),
+      cell(metric(Metric::kVirtualMetres)),
       value(V::kTranslationLeast),
       value(V::kTranslationMost),
       value(V::kRotationLeast),
       value(V::kRotationMost),
       value(V::kCurvatureLeast),
       value(V::kCurvatureMost),
-      number(metric(Metric::kSeconds)),
+      cell(metric(Metric::kSeconds)),
       "0",
       value(V::kTranslationMean),
       value(V::kInjectedTranslationMean),
@@ -138,14 +138,14 @@ void addUser(std::string& text, const ExperimentPlan& plan, const Row& row, std:
       value(V::kInjectedByRotationMean),
       value(V::kCurvatureMean),
       value(V::kInjectedByCurvatureMean),
-      number(0.5 * (rotation + curvature)),
+      cell(0.5 * (rotation + curvature)),
       value(V::kTranslationChangeMost),
       value(V::kCurvatureChangeMost),
       value(V::kTranslationChangeMean),
       value(V::kCurvatureChangeMean),
       pair(V::kRealX, V::kRealY),
       pair(V::kVirtualX, V::kVirtualY),
-      number(metric(Metric::kBorderMean)),
+      cell(metric(Metric::kBorderMean)),
       value(V::kSampleSeconds),
   };
   for (const std::string& one : cells) text += one + ';';
