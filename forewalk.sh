@@ -11,10 +11,10 @@ PACKAGES=(g++ cmake make
   librecast-dev libsqlite3-dev libopenmesh-dev libtinygltf-dev libglm-dev nlohmann-json3-dev libexpected-dev
   libboost-dev libssl-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
 # clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
-# daemons; abidiff compares the C interface with the last release; Mono compiles and runs the Unity package; the
+# daemons; abidiff compares the C interface with the last release; curl asks a daemon; Mono compiles and runs the Unity package; the
 # OpenXR layer is built, and walked under the loader and the validation layer; Slurm walks an experiment. Only
 # `test all` asks for them.
-PACKAGES_ALL=(clang nginx-light abigail-tools mono-mcs mono-runtime slurm-wlm
+PACKAGES_ALL=(clang curl nginx-light abigail-tools mono-mcs mono-runtime slurm-wlm
   libopenxr-dev libopenxr-loader1 openxr-layer-corevalidation)
 # The inspector is walked through in a browser.
 PACKAGES_BROWSER=(chromium)
@@ -128,6 +128,7 @@ demo() {
   build/release/service/forewalk demo --out out "$@" || fail "The line above says why."
   echo
   echo "Pictures, plots, dumps and traces are under $PWD/out"
+  echo "To walk through it in a browser, every frame with its ways ahead: ./forewalk.sh inspector"
 }
 
 test_preset() {  # test_preset PRESET DESCRIPTION TARGET...

@@ -208,3 +208,16 @@ endif()
 
 # The Unity package.
 include(${CMAKE_CURRENT_LIST_DIR}/unity/tests.cmake)
+
+# The pages of service/guide, followed word for word: they build with the release preset.
+if(PROJECT_BINARY_DIR STREQUAL "${PROJECT_SOURCE_DIR}/build/release")
+  set(wasm_package ${PROJECT_SOURCE_DIR}/build/wasm/service/wasm/package/forewalk_core.js)
+  foreach(page c cpp "browser;node;chromium;${wasm_package}" "daemon;node;npm;curl")
+    list(POP_FRONT page name)
+    add_test(NAME Guide.${name}
+      COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/service/guide/follow.sh ${PROJECT_SOURCE_DIR}/service/guide/${name}.md
+              ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_BINARY_DIR}/guide/${name} ${page})
+    # One at a time: they build.
+    set_tests_properties(Guide.${name} PROPERTIES TIMEOUT 300 SKIP_REGULAR_EXPRESSION "^skipped: " RESOURCE_LOCK guide)
+  endforeach()
+endif()
