@@ -64,7 +64,7 @@ struct CrowdSettings {
   float symmetryBreak = 1e-3f;
   float side = -1.0f;
   /// And who has been held up (walks at less than a tenth of what it wants) turns farther with
-  /// every second, to the same side, until the knot comes loose; radians a second, up to 1.2. 0:
+  /// every second, to the same side, until the knot comes loose; radians a second, up to 2.5. 0:
   /// never.
   float unknot = 0.5f;
 };
