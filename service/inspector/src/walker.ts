@@ -60,7 +60,7 @@ const wrapped = (angle: number): number => angle - 2 * Math.PI * Math.ceil(angle
 
 /** Radians left of -Z that a head looks, whichever way it is tilted. */
 export function headingOf(q: ArrayLike<number>): number {
-  const x = q[0]!, y = q[1]!, z = q[2]!, w = q[3]!;
+  const x = q[0], y = q[1], z = q[2], w = q[3];
   return Math.atan2(2 * (x * z + w * y), 1 - 2 * (x * x + y * y));
 }
 
@@ -118,7 +118,7 @@ export class Walker {
     this.tour = (settings.tour ?? []).map((floor, i) => this.placeOf(floor, `place ${i + 1} of the tour`));
     if (this.tour.length === 0 && !this.graph) throw new Error('walker: give a tour to follow, or a graph to wander by.');
     for (let i = 1; i < this.tour.length; ++i) {
-      if (this.ways.route(this.tour[i - 1]!, this.tour[i]!)) continue;
+      if (this.ways.route(this.tour[i - 1], this.tour[i])) continue;
       throw new Error(`walker: there is no way to place ${i + 1} of the tour from the one before.`);
     }
     const {right, forward, heading} = settings.body ?? {right: 0, forward: 0, heading: 0};
@@ -131,7 +131,7 @@ export class Walker {
 
   /** The body in the room: metres right and forward of the origin, radians left of forward. */
   get body(): {right: number; forward: number; heading: number} {
-    return {right: this.position[0]!, forward: -this.position[2]!, heading: this.heading};
+    return {right: this.position[0], forward: -this.position[2], heading: this.heading};
   }
 
   /** Nothing is left to walk. */
@@ -158,8 +158,8 @@ export class Walker {
     if (frame.resetting) {
       this.obey(seconds, frame);
     } else {
-      this.seenX = frame.position[0]!;
-      this.seenY = -frame.position[2]!;
+      this.seenX = frame.position[0];
+      this.seenY = -frame.position[2];
       this.seenHeading = headingOf(frame.orientation);
       if (!this.done) this.walk(seconds, frame);
       this.resetting = false;
@@ -179,8 +179,8 @@ export class Walker {
   }
 
   private step(metres: number): void {
-    this.position[0]! -= metres * Math.sin(this.heading);
-    this.position[2]! -= metres * Math.cos(this.heading);
+    this.position[0] -= metres * Math.sin(this.heading);
+    this.position[2] -= metres * Math.cos(this.heading);
     this.walkedMetres += Math.abs(metres);
   }
 
@@ -194,8 +194,8 @@ export class Walker {
     else if (this.strayed()) this.replan(frame);
 
     for (let event = 0; event < EVENTS && left > 0 && !this.done; ++event) {
-      const target = this.path[this.next]!;
-      const x = target[0]! - this.seenX, y = -target[2]! - this.seenY;
+      const target = this.path[this.next];
+      const x = target[0] - this.seenX, y = -target[2] - this.seenY;
       const distance = Math.hypot(x, y);
       if (distance < ARRIVED) {
         this.arrive(frame);
@@ -263,8 +263,8 @@ export class Walker {
   // Who had to stop for a reset may have walked past the point they were going to. They do not go back for it: in
   // the reset's new direction that could lead out of the room again, and so for ever.
   private overshot(): boolean {
-    const target = this.path[this.next]!;
-    const x = target[0]! - this.seenX, y = -target[2]! - this.seenY;
+    const target = this.path[this.next];
+    const x = target[0] - this.seenX, y = -target[2] - this.seenY;
     const ahead = -x * Math.sin(this.seenHeading) + y * Math.cos(this.seenHeading);
     return Math.hypot(x, y) <= this.stoppingWay + ARRIVED && ahead <= 0;
   }
@@ -272,15 +272,15 @@ export class Walker {
   private strayed(): boolean {
     seen[0] = this.seenX;
     seen[2] = -this.seenY;
-    return distanceToSegment(seen, this.legFrom, this.path[this.next]!) > STRAYED;
+    return distanceToSegment(seen, this.legFrom, this.path[this.next]) > STRAYED;
   }
 
   private floorOf(frame: Frame): number[] {
-    return [frame.position[0]!, frame.position[1]! - this.position[1]!, frame.position[2]!];
+    return [frame.position[0], frame.position[1] - this.position[1], frame.position[2]];
   }
 
   private arrive(frame: Frame): void {
-    this.legFrom = this.path[this.next]!;
+    this.legFrom = this.path[this.next];
     if (++this.next === this.path.length) this.planNext(frame);
   }
 
@@ -313,7 +313,7 @@ export class Walker {
   // Without likelihoods every end is as likely.
   private nextEnd(): Place | null {
     const {nodes, ways} = this.graph!();
-    const ends = ways.length > 0 ? ways.map(({node, likelihood}) => ({at: nodes[node]!, likelihood})) :
+    const ends = ways.length > 0 ? ways.map(({node, likelihood}) => ({at: nodes[node], likelihood})) :
       nodes.filter(({kind}) => kind === 'terminal').map((at) => ({at, likelihood: 1}));
     let left = this.uniform() * ends.reduce((sum, {likelihood}) => sum + likelihood, 0);
     const drawn = ends.find(({likelihood}) => (left -= likelihood) < 0) ?? ends.at(-1);

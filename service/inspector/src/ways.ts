@@ -14,17 +14,17 @@ const REACH = 1;  // metres beside or above the floor within which a place still
 
 /** Twice the area of a, b, c seen from above; positive where c lies left of the way from a to b. */
 const turn = (a: Vector3, b: Vector3, c: Vector3): number =>
-  (b[0]! - a[0]!) * (a[2]! - c[2]!) - (a[2]! - b[2]!) * (c[0]! - a[0]!);
+  (b[0] - a[0]) * (a[2] - c[2]) - (a[2] - b[2]) * (c[0] - a[0]);
 
-const apart = (a: Vector3, b: Vector3): number => Math.hypot(a[0]! - b[0]!, a[2]! - b[2]!);
+const apart = (a: Vector3, b: Vector3): number => Math.hypot(a[0] - b[0], a[2] - b[2]);
 
 /** Of the point to the segment, on the plan. */
 export function distanceToSegment(point: Vector3, a: Vector3, b: Vector3): number {
-  const x = b[0]! - a[0]!, z = b[2]! - a[2]!;
+  const x = b[0] - a[0], z = b[2] - a[2];
   const squared = x * x + z * z;
-  const along = squared > 0 ? ((point[0]! - a[0]!) * x + (point[2]! - a[2]!) * z) / squared : 0;
+  const along = squared > 0 ? ((point[0] - a[0]) * x + (point[2] - a[2]) * z) / squared : 0;
   const share = Math.min(1, Math.max(0, along));
-  return Math.hypot(point[0]! - a[0]! - share * x, point[2]! - a[2]! - share * z);
+  return Math.hypot(point[0] - a[0] - share * x, point[2] - a[2] - share * z);
 }
 
 interface Half {
@@ -50,8 +50,8 @@ export class Ways {
         const width = apart(left, right);
         const share = width > 0 ? Math.min(cornerMargin / width, 1 / 3) : 0;
         const toward = (a: number[], b: number[]) =>
-          walls.has(a.join()) ? a.map((value, i) => value + share * (b[i]! - value)) : a;
-        const middle = left.map((value, i) => 0.5 * (value + right[i]!));
+          walls.has(a.join()) ? a.map((value, i) => value + share * (b[i] - value)) : a;
+        const middle = left.map((value, i) => 0.5 * (value + right[i]));
         this.halves.push({to, left: toward(left, right), right: toward(right, left), middle});
       }
       this.first.push(this.halves.length);
@@ -69,7 +69,7 @@ export class Ways {
       corners.forEach((corner, edge) => {
         if (open.has(edge)) return;
         walls.add(corner.join());
-        walls.add(corners[(edge + 1) % corners.length]!.join());
+        walls.add(corners[(edge + 1) % corners.length].join());
       });
     }
     return walls;
@@ -82,10 +82,10 @@ export class Ways {
     this.polygons.forEach((polygon, index) => {
       const at = nearestOn(polygon, point);
       const y = heightAt(polygon, at);
-      const off = apart(point, at) + Math.abs(y - point[1]!);
+      const off = apart(point, at) + Math.abs(y - point[1]);
       if (off < least) {
         least = off;
-        best = {polygon: index, floor: [at[0]!, y, at[2]!]};
+        best = {polygon: index, floor: [at[0], y, at[2]]};
       }
     });
     return best;
@@ -104,25 +104,25 @@ export class Ways {
     settled.fill(0);
     const heap = new Heap();
     const relax = (half: number, reached: number, before: number) => {
-      if (settled[half] || length[half]! <= reached) return;
+      if (settled[half] || length[half] <= reached) return;
       length[half] = reached;
       previous[half] = before;
-      heap.push(reached + apart(halves[half]!.middle, to.floor), half);
+      heap.push(reached + apart(halves[half].middle, to.floor), half);
     };
-    for (let half = first[from.polygon]!; half < first[from.polygon + 1]!; ++half) {
-      relax(half, apart(from.floor, halves[half]!.middle), -1);
+    for (let half = first[from.polygon]; half < first[from.polygon + 1]; ++half) {
+      relax(half, apart(from.floor, halves[half].middle), -1);
     }
     for (let half = heap.pop(); half >= 0; half = heap.pop()) {
       if (settled[half]) continue;
       settled[half] = 1;
-      const {to: polygon, middle} = halves[half]!;
+      const {to: polygon, middle} = halves[half];
       if (polygon === to.polygon) {
         const corridor: Half[] = [];
-        for (let i = half; i >= 0; i = previous[i]!) corridor.unshift(halves[i]!);
+        for (let i = half; i >= 0; i = previous[i]) corridor.unshift(halves[i]);
         return corridor;
       }
-      for (let next = first[polygon]!; next < first[polygon + 1]!; ++next) {
-        relax(next, length[half]! + apart(middle, halves[next]!.middle), half);
+      for (let next = first[polygon]; next < first[polygon + 1]; ++next) {
+        relax(next, length[half] + apart(middle, halves[next].middle), half);
       }
     }
     return null;
@@ -131,23 +131,23 @@ export class Ways {
 
 function inside(polygon: Polygon, point: Vector3): boolean {
   const {corners} = polygon;
-  return corners.every((corner, i) => turn(corner, corners[(i + 1) % corners.length]!, point) >= 0);
+  return corners.every((corner, i) => turn(corner, corners[(i + 1) % corners.length], point) >= 0);
 }
 
 function nearestOn(polygon: Polygon, point: Vector3): Vector3 {
   if (inside(polygon, point)) return point;
   const {corners} = polygon;
   let least = Infinity;
-  let nearest: Vector3 = corners[0]!;
+  let nearest: Vector3 = corners[0];
   corners.forEach((a, i) => {
-    const b = corners[(i + 1) % corners.length]!;
+    const b = corners[(i + 1) % corners.length];
     const off = distanceToSegment(point, a, b);
     if (off >= least) return;
     least = off;
-    const x = b[0]! - a[0]!, z = b[2]! - a[2]!;
-    const along = ((point[0]! - a[0]!) * x + (point[2]! - a[2]!) * z) / Math.max(x * x + z * z, 1e-12);
+    const x = b[0] - a[0], z = b[2] - a[2];
+    const along = ((point[0] - a[0]) * x + (point[2] - a[2]) * z) / Math.max(x * x + z * z, 1e-12);
     const share = Math.min(1, Math.max(0, along));
-    nearest = a.map((value, axis) => value + share * (b[axis]! - value));
+    nearest = a.map((value, axis) => value + share * (b[axis] - value));
   });
   return nearest;
 }
@@ -157,9 +157,9 @@ function heightAt({triangles, corners}: Polygon, point: Vector3): number {
   for (const [a, b, c] of triangles as [number[], number[], number[]][]) {
     const area = turn(a, b, c);
     const u = turn(point, b, c) / area, v = turn(point, c, a) / area, w = 1 - u - v;
-    if (u > -1e-6 && v > -1e-6 && w > -1e-6) return u * a[1]! + v * b[1]! + w * c[1]!;
+    if (u > -1e-6 && v > -1e-6 && w > -1e-6) return u * a[1] + v * b[1] + w * c[1];
   }
-  return corners.reduce((best, corner) => apart(corner, point) < apart(best, point) ? corner : best)[1]!;
+  return corners.reduce((best, corner) => apart(corner, point) < apart(best, point) ? corner : best)[1];
 }
 
 /** The funnel algorithm; as in navmesh/funnel.cpp, portals beyond a corner are looked at again. */
@@ -227,13 +227,13 @@ class Heap {
 
   private before(a: number, b: number): boolean {
     const {keys, values} = this;
-    return keys[a] !== keys[b] ? keys[a]! < keys[b]! : values[a]! < values[b]!;
+    return keys[a] !== keys[b] ? keys[a] < keys[b] : values[a] < values[b];
   }
 
   private swap(a: number, b: number): number {
     const {keys, values} = this;
-    [keys[a], keys[b]] = [keys[b]!, keys[a]!];
-    [values[a], values[b]] = [values[b]!, values[a]!];
+    [keys[a], keys[b]] = [keys[b], keys[a]];
+    [values[a], values[b]] = [values[b], values[a]];
     return b;
   }
 }
