@@ -72,33 +72,39 @@ int walkAndWrite(const Walk& walk, const std::filesystem::path& folder) {
       static_cast<float>(frames.front().virtualHeading)};
   auto session = rdw::Session::make(*world, config.session);
   if (!session) return refused(session.error().message);
+  const daemon::NavMeshHash hash = daemon::hashOf(*navMesh);
   std::string recording, graphs;
   std::uint32_t resets = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const double half = 0.5 * frames[i].physicalHeading;
     daemon::Frame frame;
-    frame.sequence = static_cast<std::uint32_t>(i);
+    frame.sequence = static_cast<std::uint32_t>(i) - 1;  // the first is not recorded
     frame.seconds = frames[i].t;
     frame.head = {
         navmesh::toSpace(glm::vec2(frames[i].physicalPosition), 1.7f),
         {static_cast<float>(std::cos(half)), 0.0f, static_cast<float>(std::sin(half)), 0.0f}};
     const rdw::FrameResult& result = session->frame(frame.head, frame.seconds);
-    if (i == 0) {  // as sessions of the C interface are recorded: from their first frame's state
-      recording = daemon::recordingHead(
-          "0000000000000001", walk.name + ".obj", daemon::textOf(daemon::hashOf(*navMesh)),
-          daemon::settingsText(config.session),
-          daemon::stateBytes({1, session->state()}, daemon::hashOf(*navMesh)));
+    if (i == 0) {
+      // As sessions of the C interface are recorded: from a state onward, which replays to the bit.
+      const rdw::SessionState state = session->state();
+      if (!session->resume(state))
+        return refused(walk.name + ": its first state cannot be resumed");
+      recording = daemon::recordingHead("0000000000000001", walk.name + ".obj",
+                                        daemon::textOf(hash), daemon::settingsText(config.session),
+                                        daemon::stateBytes({1, state}, hash));
+      continue;
     }
     const daemon::Answer answer = daemon::answerOf(frame.sequence, result);
     daemon::appendRecordedFrame(frame, answer, recording);
-    if (i % kGraphEvery == 0 && result.graph != nullptr) appendGraph(i, *result.graph, graphs);
+    if (frame.sequence % kGraphEvery == 0 && result.graph != nullptr)
+      appendGraph(frame.sequence, *result.graph, graphs);
     resets = answer.resetCount;
   }
   for (const auto& [ending, text] : {std::pair(".jsonl", &recording), {".graphs.jsonl", &graphs}}) {
     if (auto written = service::writeFile(folder / (walk.name + ending), *text); !written)
       return refused(written.error().message);
   }
-  fmt::print("{}: {} frames, {} resets, {:.1f} MB\n", walk.name, frames.size(), resets,
+  fmt::print("{}: {} frames, {} resets, {:.1f} MB\n", walk.name, frames.size() - 1, resets,
              1e-6 * static_cast<double>(recording.size()));
   return 0;
 }
