@@ -125,6 +125,12 @@ if(NOT FOREWALK_SANITIZE)
     SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 300)
 endif()
 
+# The inspector in a browser, where the page has been built (./forewalk.sh inspector).
+add_executable(native_recording service/inspector/native_recording.cpp)
+target_link_libraries(native_recording PRIVATE session_recording service_core fmt::fmt project_options)
+target_compile_options(native_recording PRIVATE $<$<CONFIG:Release>:-O1>)
+target_compile_definitions(native_recording PRIVATE FOREWALK_ASSETS="${PROJECT_SOURCE_DIR}/assets")
+
 find_program(TSC tsc)
 if(TSC)
   add_test(NAME Wasm.HasTheTypesThatItSays
