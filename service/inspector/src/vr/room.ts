@@ -1,11 +1,12 @@
 // The room that is walked in: what is tracked, and which part of it a head may use.
 //
-// Places are [right, forward], metres: x and -z of the WebXR reference space, as Session takes them. Rings have no
+// Places are [x, z] of the WebXR reference space, metres, as in the page's other rooms (src/room.ts). Rings have no
 // closing repeat and run in either direction.
 import {
   areaD, ClipType, Clipper, EndType, FillRule, JoinType, PolyTreeD, unionD, type PathD, type PathsD, type PolyPathD,
 } from 'clipper2-ts';
 import type {Point2} from 'forewalk';
+import {extentOf, rectangle, type Room} from '../room';
 
 /** A room as it is. Obstacles may overlap each other and the border. */
 export interface TrackedRoom {
@@ -15,10 +16,8 @@ export interface TrackedRoom {
   obstacles: Point2[][];
 }
 
-/** Where heads may go: a border with holes that neither cross nor touch, as Session takes them. */
-export interface FreeFloor {
-  border: Point2[];
-  holes: Point2[][];
+/** Where heads may go: a border with holes that neither cross nor touch. */
+export interface FreeFloor extends Room {
   /** m^2, without the holes. */
   area: number;
   /** The place farthest from every border and hole, and how far that is, metres. */
@@ -42,12 +41,10 @@ const grown = (paths: PathsD, metres: number): PathsD =>
   Clipper.inflatePathsD(paths, metres, JoinType.Miter, EndType.Polygon, 4, DIGITS);
 
 /** A rectangle about the origin, metres. */
-export function rectangle(width: number, depth: number): TrackedRoom {
-  const x = width / 2, y = depth / 2;
-  return {name: `${width} m x ${depth} m`, border: [[-x, -y], [x, -y], [x, y], [-x, y]], obstacles: []};
-}
+export const rectangularRoom = (width: number, depth: number): TrackedRoom =>
+  ({name: `${width} m x ${depth} m`, border: rectangle(width, depth).border, obstacles: []});
 
-/** m^2 inside a ring, positive where it runs counter-clockwise. */
+/** m^2 inside a ring, less than 0 where it runs clockwise as drawn with z up (counter-clockwise from above). */
 export const areaOf = (corners: readonly Point2[]): number => areaD(path(corners));
 
 const turn = (a: Point2, b: Point2, c: Point2): number =>
@@ -56,7 +53,7 @@ const turn = (a: Point2, b: Point2, c: Point2): number =>
 const cross = (a: Point2, b: Point2, c: Point2, d: Point2): boolean =>
   turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
 
-const spoken = ([x, y]: Point2): string => `${x.toFixed(2)} m right, ${y.toFixed(2)} m ahead`;
+const spoken = ([x, z]: Point2): string => `${x.toFixed(2)} m right, ${(-z).toFixed(2)} m ahead`;
 
 /** Why a border can't be walked in, a sentence for people; null where it can. */
 export function problemOf(border: readonly Point2[]): string | null {
@@ -72,7 +69,7 @@ export function problemOf(border: readonly Point2[]): string | null {
       }
     }
   }
-  const {clearance} = freest([path(border)]);
+  const {clearance} = freest(outlines([border]));
   if (clearance >= CLEARANCE) return null;
   return `The room is too narrow: its widest place is ${clearance.toFixed(2)} m from a wall, and ${CLEARANCE} m are needed.`;
 }
@@ -120,8 +117,8 @@ function combined(type: ClipType, subject: PathsD, clip: PathsD): PathsD[] {
  * obstacles. Throws, with a sentence for people, where none is left.
  */
 export function freeFloor(room: TrackedRoom, margin = MARGIN): FreeFloor {
-  const inner = grown(counterClockwise([room.border]), -margin);
-  const taken = grown(unionD(counterClockwise(room.obstacles), FillRule.NonZero), margin);
+  const inner = grown(outlines([room.border]), -margin);
+  const taken = grown(unionD(outlines(room.obstacles), FillRule.NonZero), margin);
   // Slits that nobody fits through are filled: shrunk by half a body and grown again.
   const all = combined(ClipType.Difference, inner, taken);
   const fitting = combined(ClipType.Union, grown(all.flat(), -BODY), [])[0];
@@ -133,29 +130,12 @@ export function freeFloor(room: TrackedRoom, margin = MARGIN): FreeFloor {
   }
   const [border, ...holes] = floor.map(ring);
   const area = floor.reduce((sum, points) => sum + areaD(points), 0);
-  return {border: border!, holes, area, middle, clearance};
+  return {border, holes, area, middle, clearance};
 }
 
-const counterClockwise = (rings: readonly (readonly Point2[])[]): PathsD =>
+/** All rings the same way round, as what is filled. */
+const outlines = (rings: readonly (readonly Point2[])[]): PathsD =>
   rings.map((corners) => areaOf(corners) < 0 ? path(corners).reverse() : path(corners));
-
-/** Metres from the nearest border or hole: positive on the free floor, negative beside it. O(corners). */
-export function distanceInside(floor: Pick<FreeFloor, 'border' | 'holes'>, right: number, forward: number): number {
-  let nearest = Infinity, inside = false;
-  const along = (corners: Point2[]) => {
-    for (let i = 0, before = corners.length - 1; i < corners.length; before = i++) {
-      const a = corners[before], b = corners[i];
-      const x = b[0] - a[0], y = b[1] - a[1];
-      const share = ((right - a[0]) * x + (forward - a[1]) * y) / Math.max(x * x + y * y, 1e-12);
-      const at = Math.min(1, Math.max(0, share));
-      nearest = Math.min(nearest, Math.hypot(right - a[0] - at * x, forward - a[1] - at * y));
-      if (a[1] > forward !== b[1] > forward && right < a[0] + x * (forward - a[1]) / y) inside = !inside;
-    }
-  };
-  along(floor.border);
-  floor.holes.forEach(along);
-  return inside ? nearest : -nearest;
-}
 
 /**
  * The room that a headset says it has (XRBoundedReferenceSpace.boundsGeometry), or why it can't be used: it says
@@ -163,13 +143,11 @@ export function distanceInside(floor: Pick<FreeFloor, 'border' | 'holes'>, right
  */
 export function roomFromBounds(bounds: readonly {x: number; z: number}[] | null | undefined): TrackedRoom | {problem: string} {
   if (!bounds || bounds.length < 3) return {problem: 'The headset says no bounds of its room.'};
-  const border = bounds.map(({x, z}): Point2 => [x, -z]);
+  const border = bounds.map(({x, z}): Point2 => [x, z]);
   const problem = problemOf(border);
   if (problem) return {problem: `The headset's bounds can't be used. ${problem}`};
-  const sides = [0, 1].map((axis) => {
-    const values = border.map((corner) => corner[axis]);
-    return Math.max(...values) - Math.min(...values);
-  });
+  const {left, right, front, back} = extentOf({border, holes: []});
+  const sides = [right - left, back - front];
   if (Math.min(...sides) < 2) {
     return {problem: `The headset's bounds measure ${sides.map((side) => side.toFixed(1)).join(' m x ')} m; 2 m are needed.`};
   }

@@ -39,7 +39,7 @@ function placed({locatable_META: {position, orientation: q}}: Entity, x: number,
   };
 }
 
-const plan = ({x, z}: Vector): Point2 => [x, -z];
+const plan = ({x, z}: Vector): Point2 => [x, z];
 const apart = (a: Point2, b: Point2): number => Math.hypot(a[0] - b[0], a[1] - b[1]);
 
 /** Both ends of a wall on the plan. */
@@ -81,7 +81,7 @@ export function chainOfWalls(capture: Capture): {walls: [Point2, Point2][]; gap:
   return {walls, gap};
 }
 
-/** The smallest convex ring around points, counter-clockwise (Andrew 1979). */
+/** The smallest convex ring around points (Andrew 1979). */
 function hull(points: Point2[]): Point2[] {
   const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const half = (order: Point2[]) => {
@@ -120,7 +120,6 @@ export function roomFromCapture(name: string, capture: Capture): TrackedRoom {
     throw new Error(`${name}: two walls that should meet are ${gap.toFixed(2)} m apart, at most ${MEETING} m close a room.`);
   }
   const border = walls.map((wall, i) => corner(walls.at(i - 1)!, wall));
-  if (areaOf(border) < 0) border.reverse();
   const floor = capture.spatialEntities.find((entity) => entity.semanticLabel_META === 'FLOOR');
   const height = floor?.locatable_META.position.y ?? 0;
   const obstacles = capture.spatialEntities.filter((entity) => entity.bounded3D_META)
