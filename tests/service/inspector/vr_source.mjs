@@ -13,19 +13,27 @@ const esbuild = createRequire(require.resolve('vite'))('esbuild');
 export const packageOf = (name) => require(name);
 export const packageFile = (path) => join(inspector, 'node_modules', path);
 
-/** What a module of the page exports, bundled with what it needs. `build`: the project's build folder. */
+const settings = (build, modules) => ({
+  stdin: {contents: modules.map((module) => `export * from './src/${module}';`).join('\n'), resolveDir: inspector},
+  bundle: true, logLevel: 'warning', alias: {forewalk: resolve(build, 'wasm/service/wasm/package/index.js')},
+});
+
+/** What modules of the page export, with what they need. `build`: the project's build folder. */
 export async function source(build, ...modules) {
   const folder = mkdtempSync(join(tmpdir(), 'forewalk-'));
   const file = join(folder, 'bundle.mjs');
   await esbuild.build({
-    stdin: {contents: modules.map((module) => `export * from './src/${module}';`).join('\n'), resolveDir: inspector},
-    outfile: file, bundle: true, format: 'esm', platform: 'node', target: 'node18', logLevel: 'warning',
-    alias: {forewalk: resolve(build, 'wasm/service/wasm/package/index.js')},
-    external: ['node:*'],
+    ...settings(build, modules), outfile: file, format: 'esm', platform: 'node', target: 'node18', external: ['node:*'],
   });
   const exported = await import(pathToFileURL(file));
   rmSync(folder, {recursive: true});
   return exported;
+}
+
+/** The same as a script for a page, which has them in the global `name`. */
+export async function bundle(build, name, ...modules) {
+  const {outputFiles} = await esbuild.build({...settings(build, modules), write: false, format: 'iife', globalName: name});
+  return `${outputFiles[0].text};window.${name} = ${name};`;
 }
 
 /** The library, as the page has it. */

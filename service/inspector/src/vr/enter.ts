@@ -134,7 +134,8 @@ export class VrWalk {
     const since = Math.min(LONGEST, Math.max(0, seconds - this.last));
     this.last = seconds;
     const pose = frame.getViewerPose(this.space);
-    const lost = !pose || pose.emulatedPosition;
+    // Guessed positions and frames that nobody sees are no walk either.
+    const lost = !pose || pose.emulatedPosition || this.session.visibilityState === 'hidden';
     if (pose) {
       const {position, orientation} = pose.transform;
       head.set(position.x, position.y, position.z);

@@ -41,8 +41,8 @@ const BELOW = 0.1;           // of its middle beneath the eyes, metres
 const WIDTH = 0.72;          // of the card, metres: 33 degrees
 const HEIGHT = 0.54;
 const PIXELS = 1024;         // across the card
-const RING = 0.155;          // radius, metres
-const RING_UP = 0.075;       // its middle above the card's
+const RING = 0.145;          // radius, metres
+const RING_UP = 0.07;        // its middle above the card's
 const SEGMENTS = 120;        // of a whole turn
 const LAG = 0.12;            // seconds behind the head, so that it seems to float
 const MARKER_AWAY = 1.6;     // metres from the head to the marker
@@ -179,8 +179,8 @@ export class ResetPrompt extends Group {
     const metre = PIXELS / WIDTH;
     if (angle !== null) {
       context.font = '600 118px system-ui, sans-serif';
-      context.fillText(detail, width / 2 + 12, height / 2 - RING_UP * metre);
-      context.font = '600 92px system-ui, sans-serif';
+      context.fillText(detail, width / 2 + 14, height / 2 - RING_UP * metre);
+      context.font = '600 86px system-ui, sans-serif';
       context.fillText(text, width / 2, height - 98, width - 80);
     } else {
       context.font = '600 104px system-ui, sans-serif';

@@ -10,6 +10,9 @@ export interface VirtualPlace {
   heading: number;
 }
 
+/** Those that know the likely ways, and so where it is best to face. */
+const PLANNERS: readonly Controller[] = ['foresight', 'mpcred'];
+
 const MOVED = 0.3;  // metres; who was away and comes back farther off goes on where they were in the building
 
 export class Redirection {
@@ -35,7 +38,8 @@ export class Redirection {
    */
   constructor(navmesh: Navmesh, controller: Controller, readonly room: FreeFloor, readonly start: VirtualPlace,
               horizon = 10) {
-    this.session = navmesh.session({controller, horizon, start, ...roomForSession(room)});
+    const reset = PLANNERS.includes(controller) ? 'ahead' : 'two-one-turn';
+    this.session = navmesh.session({controller, reset, horizon, start, ...roomForSession(room)});
   }
 
   /**

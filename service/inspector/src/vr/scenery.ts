@@ -3,16 +3,16 @@
 // For headsets that draw with a phone's means: the building is three draw calls, lit without shadows; patterns are two
 // small textures, and the darker foot of the walls is in the corners' colours.
 import {
-  BackSide, BufferAttribute, CanvasTexture, Color, Fog, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry,
-  RepeatWrapping, Scene, SphereGeometry, SRGBColorSpace, type BufferGeometry,
+  BackSide, BufferAttribute, CanvasTexture, Color, DirectionalLight, Fog, Group, HemisphereLight, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, PlaneGeometry, RepeatWrapping, Scene, SphereGeometry, SRGBColorSpace, type BufferGeometry,
 } from 'three';
 import type {Polygon} from 'forewalk';
-import {makeBuildingModel, makeLights, type BuildingModel, type BuildingTheme} from '../building_model';
+import {makeBuildingModel, type BuildingModel, type BuildingTheme} from '../building_model';
 import type {Building} from '../buildings';
 import {uniformNumbers} from '../walker';
 
 const theme: BuildingTheme = {
-  floor: '#c8a67c', wall: '#f1ece2', furniture: '#9fb0b4', cut: '#000000', walkable: '#000000', walkableOpacity: 0,
+  floor: '#cfae86', wall: '#fbf8f1', furniture: '#7d9aa3', cut: '#000000', walkable: '#000000', walkableOpacity: 0,
   portal: '#000000', border: '#000000', sky: '#eef4ff', ground: '#b3a48e',
 };
 const ZENITH = '#7fb0e6', HORIZON = '#e6eef5', EARTH = '#8d9a80';
@@ -34,7 +34,7 @@ export class Scenery extends Scene {
       part.material.needsUpdate = true;
     }
     this.fog = new Fog(HORIZON, FAR / 3, FAR);
-    this.add(this.model, makeLights(theme), surroundings());
+    this.add(this.model, daylight(), surroundings());
     this.matrixWorldAutoUpdate = true;
   }
 
@@ -47,6 +47,13 @@ export class Scenery extends Scene {
       part.material.dispose();
     });
   }
+}
+
+// Brighter than over the plans of the page: walls are white, and seen from within.
+function daylight(): Group {
+  const sun = new DirectionalLight('#fff3df', 1.6);
+  sun.position.set(-0.6, 1, 0.35);
+  return new Group().add(new HemisphereLight(theme.sky, theme.ground, 3), sun);
 }
 
 function surroundings(): Group {
@@ -79,7 +86,7 @@ function pattern(geometry: BufferGeometry, metres: number): void {
     const upright = ny < Math.max(nx, nz);
     uv[2 * i] = (upright && nx > nz ? z : x) / metres;
     uv[2 * i + 1] = (upright ? y : z) / metres;
-    shade.fill(upright && y < 0.2 ? 0.72 : 1, 3 * i, 3 * i + 3);
+    shade.fill(upright && y < 0.2 ? 0.84 : 1, 3 * i, 3 * i + 3);
   }
   geometry.setAttribute('uv', new BufferAttribute(uv, 2));
   geometry.setAttribute('color', new BufferAttribute(shade, 3));
@@ -100,10 +107,12 @@ function texture(side: number, draw: (context: CanvasRenderingContext2D) => void
 const planks = () => texture(512, (context) => {
   const uniform = uniformNumbers(7);
   const rows = 15, row = 512 / rows;
+  context.fillStyle = '#b5aa9c';
+  context.fillRect(0, 0, 512, 512);
   for (let i = 0; i < rows; ++i) {
     const offset = uniform() * 512;
     for (let j = 0; j < 3; ++j) {
-      const light = 205 + 45 * uniform();
+      const light = 222 + 30 * uniform();
       context.fillStyle = `rgb(${light}, ${light - 3}, ${light - 8})`;
       for (const wrap of [-512, 0, 512]) context.fillRect(offset + j * 512 / 3 + wrap, i * row, 512 / 3 - 1.5, row - 1.5);
     }

@@ -1,0 +1,125 @@
+// Enter VR in headless Chromium with an emulated headset: node vr.mjs BUILD
+//
+// A simulated person (src/walker.ts) wears the headset and walks, seeing only the session's virtual pose: 100 m of
+// virtual path through the museum in 5 m x 5 m, and a while in each of the scanned rooms. The head never leaves the
+// room, the virtual path never leaves the floor, prompts are there exactly during resets, and what three.js renders
+// from is the session's pose.
+import assert from 'node:assert/strict';
+import {enter, launch, openPage, walk} from './vr_page.mjs';
+
+const [build, only = ''] = process.argv.slice(2);
+const browser = await launch();
+
+function report(name, told) {
+  const range = ([low, high]) => `${low.toFixed(2)} to ${high.toFixed(2)}`;
+  console.log(`${name}: ${told.virtual.toFixed(1)} m virtual, ${told.physical.toFixed(1)} m physical, ` +
+    `${told.resets} resets (${(100 * told.resets / told.virtual).toFixed(1)} per 100 m, ${told.backs} with steps back), ` +
+    `never nearer than ${(1000 * told.inside).toFixed(0)} mm to a wall or furniture, ${(1000 * told.beside).toFixed(1)} mm beside the floor; gains: ` +
+    `translation ${range(told.gains.translation)}, rotation ${range(told.gains.rotation)}, curvature ${range(told.gains.curvature)}`);
+  console.log(`  ${told.frames} frames in ${told.wall.toFixed(0)} s, ${(told.frames / told.wall).toFixed(0)} a second; ours of one: ` +
+    `median ${told.script[0].toFixed(2)}, p99 ${told.script[1].toFixed(2)}, worst ${told.script[2].toFixed(0)} ms; drawing: ` +
+    `median ${told.draw[0].toFixed(1)}, p99 ${told.draw[1].toFixed(1)} ms, ${told.calls / 2} calls and ${told.triangles / 2} triangles an eye`);
+}
+
+function check(name, told, metres, most) {
+  report(name, told);
+  assert.deepEqual(told.wrong, [], `${name}: prompts are there exactly during resets`);
+  assert.ok(told.virtual >= metres || told.finished, `${name}: walked`);
+  assert.ok(told.inside > 0, `${name}: the head never leaves the room`);
+  assert.ok(told.beside < 0.05, `${name}: the virtual path never leaves the floor`);
+  assert.ok(told.rig < 1e-4 && told.eyes < 1e-4 && told.level === 0, `${name}: what is rendered is the session's pose`);
+  assert.equal(told.gridFar, 0, `${name}: the border is shown where it is near`);
+  assert.ok(told.resets > 0 && told.prompts > 0);
+  assert.ok(told.resets < most / 100 * told.virtual, `${name}: nobody is stopped over and over in one place`);
+  assert.ok(told.script[1] < 1000 / 90, `${name}: 99 of 100 frames leave time at 90 Hz`);
+  assert.ok(told.calls / 2 <= 20);
+}
+
+const scenarios = {
+  // Without a headset the button says why.
+  async none() {
+    const page = await openPage(browser, build, {headset: false});
+    await page.waitForFunction(() => document.getElementById('enter-vr').title !== '');
+    const {disabled, title} = await page.$eval('#enter-vr', ({disabled, title}) => ({disabled, title}));
+    assert.ok(disabled && /No headset found\. .*emulator/.test(title), title);
+    console.log(`without a headset: ${title}`);
+    await page.close();
+  },
+
+  async museum() {
+    const page = await openPage(browser, build);
+    await enter(page, {building: 'museum', room: 'drawn', sides: [5, 5]});
+    check('museum, 5 m x 5 m', await walk(page, {metres: 100, drawn: 40}), 100, 25);
+    assert.deepEqual(page.errors, []);
+    await page.close();
+  },
+
+  // The headset's bounds, the headset put off and on, and the room set up anew.
+  async bounds() {
+    const page = await openPage(browser, build, {bounds: [[-3, -2], [1.5, -2], [1.5, 0], [3, 0], [3, 2.5], [-3, 2.5]]});
+    await enter(page, {building: 'office', controller: 's2c-predictive', room: 'headset'});
+    const area = await page.evaluate(() => vr.redirection.room.area);
+    assert.ok(Math.abs(area - (6 * 4.5 - 1.5 * 2 - 0.1 * 21)) < 0.1, `the room is the headset's, less a margin: ${area} m^2`);
+    await page.evaluate(() => vr.prepared.choice.room = {...vr.prepared.choice.room,
+      border: [[-3, -2], [1.5, -2], [1.5, 0], [3, 0], [3, 2.5], [-3, 2.5]]});
+    check('office, an L of the headset', await walk(page, {metres: 15, drawn: 40}), 15, 60);
+
+    const place = () => page.evaluate(() => vr.redirection.place());
+    const apart = (a, b) => Math.hypot(a.floor[0] - b.floor[0], a.floor[2] - b.floor[2]);
+    const before = await place();
+    await page.evaluate(() => {
+      device.updateVisibilityState('hidden');
+      clock.step(1 / 90);
+      device.position.set(-1.2, 1.65, 1.2);  // taken off, carried elsewhere, put on
+      clock.step(20);
+      device.updateVisibilityState('visible');
+      clock.step(1 / 90);
+    });
+    assert.ok(apart(before, await place()) < 0.01, 'who puts the headset on elsewhere goes on where they were');
+    const {same, black} = await page.evaluate(() => {
+      const session = vr.redirection;
+      device.recenter();
+      clock.step(1 / 90);
+      return {same: vr.redirection === session, black: vr.fade.visible};
+    });
+    assert.ok(!same && black, 'a room set up anew is another session, faded in');
+    assert.ok(apart(before, await place()) < 0.5, 'at the same place of the building');
+    await page.evaluate(() => vr.end());
+    await page.waitForSelector('#enter-vr:enabled');
+    assert.deepEqual(page.errors, []);
+    await page.close();
+  },
+
+  // Bounds that can't be used are said, and the drawn room is walked in.
+  async fallback() {
+    for (const [bounds, reason] of [[null, /says no bounds/], [[[0, 0], [1.5, 0], [1.5, 4], [0, 4]], /1\.5 m x 4\.0 m; 2 m are needed/],
+      [[[-2, -2], [2, 2], [2, -2], [-2, 2]], /Two walls cross/]]) {
+      const page = await openPage(browser, build, {bounds});
+      await enter(page, {building: 'maze', controller: 's2c', room: 'headset', sides: [4, 3]});
+      const {area, notice, text} = await page.evaluate(() => {
+        clock.step(1 / 90);
+        clock.step(1 / 90);
+        return {area: vr.redirection.room.area, notice: window.notice, text: vr.prompt.text};
+      });
+      assert.ok(Math.abs(area - 3.8 * 2.8) < 0.01 && reason.test(notice) && reason.test(text), `${notice} | ${text}`);
+      assert.deepEqual(page.errors, []);
+      await page.close();
+    }
+    console.log('bounds that are absent, too small or crossing: said, and the drawn room is walked in');
+  },
+};
+for (const room of ['living room', 'meeting room', 'music room', 'office large', 'office small']) {
+  scenarios[room] = async () => {
+    const page = await openPage(browser, build);
+    await enter(page, {building: 'museum', room});
+    check(`museum, ${room}`, await walk(page, {metres: 20, drawn: 60}), 20, 80);
+    assert.deepEqual(page.errors, []);
+    await page.close();
+  };
+}
+
+try {
+  for (const name of Object.keys(scenarios)) if (name.startsWith(only)) await scenarios[name]();
+} finally {
+  await browser.close();
+}
