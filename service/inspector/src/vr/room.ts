@@ -3,7 +3,7 @@
 // Places are [x, z] of the WebXR reference space, metres, as in the page's other rooms (src/room.ts). Rings have no
 // closing repeat and run in either direction.
 import {
-  areaD, ClipType, Clipper, EndType, FillRule, JoinType, PolyTreeD, unionD, type PathD, type PathsD, type PolyPathD,
+  areaD, ClipType, Clipper, EndType, FillRule, JoinType, PolyTreeD, type PathD, type PathsD, type PolyPathD,
 } from 'clipper2-ts';
 import type {Point2} from 'forewalk';
 import {extentOf, rectangle, type Room} from '../room';
@@ -118,7 +118,7 @@ function combined(type: ClipType, subject: PathsD, clip: PathsD): PathsD[] {
  */
 export function freeFloor(room: TrackedRoom, margin = MARGIN): FreeFloor {
   const inner = grown(outlines([room.border]), -margin);
-  const taken = grown(unionD(outlines(room.obstacles), FillRule.NonZero), margin);
+  const taken = grown(combined(ClipType.Union, outlines(room.obstacles), []).flat(), margin);
   // Slits that nobody fits through are filled: shrunk by half a body and grown again.
   const all = combined(ClipType.Difference, inner, taken);
   const fitting = combined(ClipType.Union, grown(all.flat(), -BODY), [])[0];
