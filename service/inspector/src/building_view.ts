@@ -9,12 +9,13 @@ import {makeBuildingModel, makeLights, type BuildingModel} from './building_mode
 import {GraphModel} from './graph_model';
 import type {Ground} from './ground';
 import {Ribbons} from './ribbons';
+import {Sharpness} from './sharpness';
 import type {Theme} from './theme';
 import type {Walk} from './walk';
 import {floorOf, WalkerModel} from './walker_model';
 
 // Walls are cut so high above the user's floor, metres.
-const CUT = 1.15;
+const CUT = 1.25;
 // The camera's distance to who it follows at first, metres; and how fast it catches up, 1/s.
 const DISTANCE = 21;
 const CATCH_UP = 5;
@@ -48,6 +49,7 @@ export class BuildingView {
   private lights: Group;
   private model: BuildingModel | null = null;
   private ground: Ground | null = null;
+  private readonly sharpness = new Sharpness();
   private follows = true;
   private dirty = true;
   private last = 0;
@@ -205,10 +207,12 @@ export class BuildingView {
 
   /** Draws, if something has changed; milliseconds as of requestAnimationFrame. True where it drew. */
   draw(now: number): boolean {
-    const seconds = Math.min(0.1, (now - this.last) / 1000);
+    const seconds = Math.min(0.25, (now - this.last) / 1000);
     this.last = now;
-    this.resize();
     if (this.follows) this.catchUp(seconds);
+    if (this.dirty) this.sharpness.draws(now);
+    else if (this.sharpness.rests(now)) this.dirty = true;
+    this.resize();
     if (!this.dirty) return false;
     this.dirty = false;
     this.renderer.render(this.scene, this.camera);
@@ -235,7 +239,7 @@ export class BuildingView {
 
   private catchUp(seconds: number): void {
     this.moved.subVectors(this.target, this.controls.target);
-    if (this.moved.lengthSq() < 1e-6) return;
+    if (this.moved.lengthSq() < 1e-4) return;  // a centimetre is not worth a picture
     this.moved.multiplyScalar(1 - Math.exp(-CATCH_UP * seconds));
     this.controls.target.add(this.moved);
     this.aimed.copy(this.controls.target);
@@ -245,7 +249,7 @@ export class BuildingView {
 
   private resize(): void {
     const {clientWidth: width, clientHeight: height} = this.canvas;
-    const ratio = Math.min(2, devicePixelRatio);
+    const ratio = Math.min(2, devicePixelRatio) * this.sharpness.share;
     const pixels = this.renderer.getPixelRatio();
     if (width === 0 || height === 0) return;
     if (this.canvas.width === Math.floor(width * ratio) && this.canvas.height === Math.floor(height * ratio) &&

@@ -13,6 +13,8 @@ interface Series {
   values: (walk: Walk) => ArrayLike<number>;
   color: (theme: Theme) => string;
   digits: number;
+  /** Down to 0. */
+  filled?: boolean;
 }
 
 interface ChartSpec {
@@ -44,12 +46,15 @@ export const CHARTS: ChartSpec[] = [
   {
     id: 'border', title: 'Border distance',
     scales: {metres: {unit: 'm', range: padded(0, 1)}},
-    series: [{label: 'metres', scale: 'metres', values: (walk) => walk.border, color: (t) => t.series[0], digits: 2}],
+    series: [{label: 'metres', scale: 'metres', values: (walk) => walk.border, color: (t) => t.series[0], digits: 2, filled: true}],
   },
   {
     id: 'graph', title: 'Graph time',
     scales: {ms: {unit: 'ms', range: padded(0, 0.2)}},
-    series: [{label: 'ms a frame, in this page', scale: 'ms', values: (walk) => walk.graphTime, color: (t) => t.series[3], digits: 3}],
+    series: [{
+      label: 'ms a frame, in this page', scale: 'ms', values: (walk) => walk.graphTime, color: (t) => t.series[3], digits: 3,
+      filled: true,
+    }],
   },
 ];
 
@@ -174,7 +179,7 @@ export class Charts {
       Object.entries(spec.scales).forEach(([name, scale], i) => {
         scales[name] = {range: (_, min, max) => scale.range(min, max)};
         axes.push({
-          ...axis, scale: name, side: i === 0 ? 3 : 1, size: i === 0 ? LEFT : RIGHT, gap: 4, space: 26,
+          ...axis, scale: name, side: i === 0 ? 3 : 1, size: i === 0 ? LEFT : RIGHT, gap: 4, space: 20,
           grid: i === 0 ? axis.grid : {show: false},
           values: (_, splits) => splits.map((split) => String(Math.round(1000 * split) / 1000)),
         });
@@ -200,6 +205,7 @@ export class Charts {
         },
         series: [{}, ...spec.series.map((series): uPlot.Series => ({
           scale: series.scale, stroke: series.color(theme), width: 1.25, points: {show: false}, spanGaps: true,
+          fill: series.filled ? `${series.color(theme)}26` : undefined,
         }))],
         hooks: {drawClear: [(plot) => this.drawResets(plot)]},
       }, [[0, 1], ...spec.series.map(() => [null, null])] as uPlot.AlignedData, this.boxes[index]);

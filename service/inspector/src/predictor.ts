@@ -13,15 +13,22 @@ const NEAR = 1.5;
 /** How long before the frame a leap lands, and the step of frames from there on, seconds. */
 const SETTLE = 1;
 const SETTLE_STEP = 1 / 30;
-/** Of the mean of the graph time: the timers of browsers tick too coarsely for one frame. */
+/**
+ * The graph time is the mean of so many frames, because browsers' timers tick too coarsely for one; without the slowest
+ * few, in which something else had the processor.
+ */
 const MEAN_FRAMES = 30;
+const LEFT_OUT = 3;
 
 export class Predictor {
   private session: Session | null = null;
   private last = -1;
+  private landed = false;    // the next frame is the first after a leap
   private graph: Graph | null = null;
   private clock = 0;
-  private milliseconds = NaN;
+  private readonly times = new Float64Array(MEAN_FRAMES);
+  private readonly sorted = new Float64Array(MEAN_FRAMES);
+  private timed = 0;
   private readonly head = new Float64Array(3);
   private readonly looking = new Float64Array([0, 0, 0, 1]);
 
@@ -57,11 +64,10 @@ export class Predictor {
   /** Puts the session's next frame at this one, from nowhere; false where that is no floor. */
   private putAt(frame: number): boolean {
     const {walk} = this;
-    const at = POSE * frame;
-    const height = walk.virtual[at + 1] - walk.physical[at + 1];
-    const floor = [walk.virtual[at], height, walk.virtual[at + 2]];
+    this.standAs(frame);
+    const floor = [this.head[0], this.head[1] - walk.physical[POSE * frame + 1], this.head[2]];
     if (!floor.every(Number.isFinite)) return false;
-    const heading = headingOf(walk.virtual, at);
+    const heading = headingOf(walk.virtual, POSE * frame);
     try {
       if (this.session) this.session.teleport(floor, heading);
       else this.session = this.makeSession(floor, heading);
@@ -69,7 +75,18 @@ export class Predictor {
       return false;
     }
     this.last = frame - 1;
+    this.landed = true;
     return true;
+  }
+
+  /** Where the recorded session predicted from: where the user was before this frame's gains moved them on. */
+  private standAs(frame: number): void {
+    const {walk, head} = this;
+    for (let k = 0; k < 3; ++k) head[k] = walk.virtual[POSE * frame + k] - walk.injected[3 * frame + k];
+  }
+
+  private lookAs(frame: number): void {
+    for (let k = 0; k < 4; ++k) this.looking[k] = this.walk.virtual[POSE * frame + 3 + k];
   }
 
   private makeSession(floor: number[], heading: number): Session {
@@ -85,23 +102,32 @@ export class Predictor {
   private runTo(frame: number, step: number): boolean {
     const {walk, session, head, looking} = this;
     if (!session) return false;
+    let landed = this.landed ? this.last + 1 : -1;
     for (let i = this.last + 1; i <= frame; ++i) {
-      if (walk.teleports.has(i)) this.putAt(i);
+      if (walk.teleports.has(i) && this.putAt(i)) landed = i;
       if (i < frame && i > 0 && walk.time[i] - this.clock < step && walk.time[i] > this.clock) continue;
-      const at = POSE * i;
-      for (let k = 0; k < 3; ++k) head[k] = walk.virtual[at + k];
+      this.standAs(i);
       // Who is turned by a reset looks everywhere and means nothing by it.
-      if (walk.turning[i] === 0) for (let k = 0; k < 4; ++k) looking[k] = walk.virtual[at + 3 + k];
+      if (walk.turning[i] === 0 || i === landed) this.lookAs(i);
       const begin = performance.now();
       session.frame(head, looking, walk.time[i]);
-      const took = performance.now() - begin;
-      this.milliseconds = Number.isNaN(this.milliseconds)
-        ? took : this.milliseconds + (took - this.milliseconds) / MEAN_FRAMES;
+      this.times[this.timed++ % MEAN_FRAMES] = performance.now() - begin;
       this.clock = walk.time[i];
     }
-    walk.graphTime[frame] = this.milliseconds;
+    this.landed = false;
+    walk.graphTime[frame] = this.meanTime();
     this.last = frame;
     return true;
+  }
+
+  private meanTime(): number {
+    const count = Math.min(this.timed, MEAN_FRAMES);
+    if (count < MEAN_FRAMES) return NaN;
+    this.sorted.set(this.times);
+    this.sorted.sort();
+    let sum = 0;
+    for (let i = 0; i < count - LEFT_OUT; ++i) sum += this.sorted[i];
+    return sum / (count - LEFT_OUT);
   }
 }
 

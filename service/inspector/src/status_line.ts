@@ -17,7 +17,7 @@ export class StatusLine {
     this.written = now;
     const resets = walk.resetsAt(frame);
     const metres = walk.walkedVirtual[frame];
-    this.put('clock', `${clockText(walk.time[frame])}.${hundredths(walk.time[frame])} / ${clockText(walk.duration)}`);
+    this.put('clock', `${clockText(walk.time[frame])}.${hundredths(walk.time[frame])} / ${clockText(Math.round(walk.duration))}`);
     this.put('walked-virtual', `${metres.toFixed(1)} m`);
     this.put('walked-physical', `${walk.walkedPhysical[frame].toFixed(1)} m`);
     this.put('resets', String(resets));
@@ -29,7 +29,7 @@ export class StatusLine {
     this.put('border', Number.isFinite(border) ? `${border.toFixed(2)} m` : '–', border < 0.5);
     this.put('nodes', graph ? `${graph.nodes.length} nodes` : '–');
     const time = walk.graphTime[frame];
-    this.put('graph-time', Number.isFinite(time) ? `${time.toFixed(3)} ms` : '–');
+    this.put('graph-time', Number.isFinite(time) ? time.toFixed(3) : '–');
     this.put('instruction', describeReset(walk, frame), walk.turning[frame] === 1);
   }
 
