@@ -38,7 +38,7 @@ export const light: Theme = {
 export const dark: Theme = {
   name: 'dark',
   background: '#15171b', ink: '#e8e9ec', quiet: '#a0a6b1', rule: '#2c3038',
-  floor: '#23262d', wall: '#3b4049', furniture: '#343841', cut: '#b9c0cc',
+  floor: '#23262d', wall: '#3b4049', furniture: '#343841', cut: '#99a1ae',
   walkable: '#6f9bc7', walkableOpacity: 0.14, portal: '#4d6178', border: '#7f9bbb',
   sky: '#dfe6f2', ground: '#3c4048',
   user: '#6fb0ff', body: '#6fb0ff', way: '#93b8e0', branch: '#ff6259', terminal: '#4fd186', deadEnd: '#8b919c',
