@@ -131,6 +131,19 @@ target_link_libraries(native_recording PRIVATE session_recording service_core fm
 target_compile_options(native_recording PRIVATE $<$<CONFIG:Release>:-O1>)
 target_compile_definitions(native_recording PRIVATE FOREWALK_ASSETS="${PROJECT_SOURCE_DIR}/assets")
 
+# Enter VR: its parts, and the page with an emulated headset (./forewalk.sh inspector builds it).
+if(NOT FOREWALK_SANITIZE)
+  foreach(named "WalkersKeepTheirLaws vr_walker.mjs" "RoomsAndPromptsKeepTheirLaws vr_room.mjs"
+                "WalksAHundredMetresInAHeadset vr.mjs")
+    separate_arguments(named)
+    list(GET named 0 name)
+    list(GET named 1 script)
+    add_test(NAME EnterVr.${name}
+      COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/service/inspector/vr.sh ${script} ${PROJECT_SOURCE_DIR}/build)
+    set_tests_properties(EnterVr.${name} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 600)
+  endforeach()
+endif()
+
 find_program(TSC tsc)
 if(TSC)
   add_test(NAME Wasm.HasTheTypesThatItSays

@@ -46,6 +46,48 @@ const scenarios = {
     await page.close();
   },
 
+  // A room drawn by keyboard and pointer: kept for the next time, and refused where it can't be walked in.
+  async drawing() {
+    const page = await openPage(browser, build, {side: 900});
+    const state = () => page.textContent('.vr-dialog .state');
+    const said = () => page.textContent('.room-said');
+    await page.click('#enter-vr:enabled');
+    await page.check('input[value="drawn"]');
+    assert.match(await state(), /23\.0 m\u00b2/);
+    await page.focus('.room-drawing');
+    for (const key of ['n', 'Shift+ArrowRight', 'ArrowUp']) await page.keyboard.press(key);
+    assert.match(await said(), /Corner 2 of 4: 3\.0 m right, 2\.4 m behind/);
+    assert.match(await state(), /2[0-9.]+ m\u00b2/);
+    await page.keyboard.press('Insert');
+    assert.match(await said(), /Corner 3 of 5/);
+    await page.keyboard.press('Delete');
+    const box = await page.locator('.room-drawing').boundingBox();
+    const at = (x, z) => [box.x + box.width * (0.5 + x / 7), box.y + box.height * (0.5 + z / 7)];  // 3.5 m to the edge
+    await page.mouse.move(...at(0, -2.5));
+    await page.mouse.down();  // on a wall: another corner, dragged across the room and out of it
+    await page.mouse.move(...at(0, 3.2), {steps: 5});
+    await page.mouse.up();
+    assert.match(await said(), /of 5: 0\.0 m right, 3\.2 m behind/);
+    assert.match(await state(), /Two walls cross/);
+    assert.ok(await page.isDisabled('#vr-start'));
+    await page.keyboard.press('Delete');
+    assert.ok(await page.isEnabled('#vr-start'));
+    const kept = await page.evaluate(() => JSON.parse(localStorage.getItem('forewalk.room')));
+    assert.equal(kept.length, 4);
+    await page.reload();
+    await page.click('#enter-vr:enabled');
+    await page.check('input[value="drawn"]');
+    await page.focus('.room-drawing');
+    await page.keyboard.press('p');
+    assert.match(await said(), /Corner 4 of 4/);
+    await page.fill('#vr-width', '0.2');
+    await page.click('#vr-rectangle');
+    assert.match(await state(), /1 to 50 m/);
+    assert.deepEqual(page.errors, []);
+    console.log('drawing a room: by keys and pointer, kept, refused where walls cross');
+    await page.close();
+  },
+
   async museum() {
     const page = await openPage(browser, build);
     await enter(page, {building: 'museum', room: 'drawn', sides: [5, 5]});

@@ -64,7 +64,8 @@ export async function openPage(browser, build, {headset = true, side = 320, boun
       document.addEventListener('forewalk:notice', ({detail}) => window.notice = detail);
     }, bounds);
   }
-  await page.goto(`${pathToFileURL(resolve(build, 'inspector/page/index.html'))}`);
+  await page.goto(`${pathToFileURL(resolve(build, 'inspector/page/index.html'))}?play=0`);
+  await page.waitForSelector('html[data-ready]', {timeout: 60_000, state: 'attached'});
   return page;
 }
 
@@ -90,7 +91,8 @@ export async function enter(page, {building = 'museum', controller = 'foresight'
 
 /**
  * Walks the building's tour in the headset for `metres` of virtual path, or `seconds`; looks at everything in every
- * frame. Every `drawn`-th frame is drawn, and with `until` it stops early: 'prompt' in the middle of a turn.
+ * frame. Every `drawn`-th frame is drawn; with `until` it stops early: 'prompt' in the middle of a turn,
+ * 'marker' toward its end.
  */
 export const walk = (page, settings) => page.evaluate(({metres = Infinity, seconds = Infinity, drawn = 10, until = null}) => {
   const {Walker, Ways, nearestBorder} = parts;
@@ -126,7 +128,7 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
   const from = vr.redirection.virtualMetres, began = realNow(), resetsBefore = vr.redirection.frame?.resetCount ?? 0;
   const head = camera.position.clone(), left = head.clone(), right = head.clone();
   while (vr.redirection.virtualMetres - from < metres && told.seconds < seconds && !walker.finished) {
-    drawing = told.frames % drawn === 0 || until !== null;
+    drawing = told.frames % drawn === 0;
     device.position.set(...walker.position);
     device.quaternion.set(...walker.orientation);
     clock.step(1 / 90);
@@ -166,6 +168,7 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
     }
     walker.advance(1 / 90, frame);
     if (until === 'prompt' && frame.resetPhase === 'turning' && Math.abs(frame.resetTurned) > 0.6) break;
+    if (until === 'marker' && frame.resetPhase === 'turning' && frame.resetRemaining < 0.5) break;
   }
   renderer.render = render;
   delete vr.frame;

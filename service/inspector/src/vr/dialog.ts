@@ -70,12 +70,11 @@ export class VrDialog {
                 <span>As the headset says, or else as drawn</span></label>
               <label class="choice"><input type="radio" name="vr-room" value="drawn"><span>As drawn</span></label>
               <div class="sides">
-                <label for="vr-width">Width</label><input id="vr-width" type="number" min="1" max="50" step="0.1" value="5">
-                <label for="vr-depth">Depth</label><input id="vr-depth" type="number" min="1" max="50" step="0.1" value="5">
-                <span>m</span><button type="button" id="vr-rectangle">Rectangle</button></div>
+                <label for="vr-width">Width, m</label><input id="vr-width" type="number" min="1" max="50" step="0.1" value="5">
+                <label for="vr-depth">Depth, m</label><input id="vr-depth" type="number" min="1" max="50" step="0.1" value="5">
+                <button type="button" id="vr-rectangle">Rectangle</button></div>
               <label class="choice"><input type="radio" name="vr-room" value="scanned"><span>Somebody else's, scanned</span></label>
-              <div class="sides"><label for="vr-scan" class="label">Scan</label>
-                <select id="vr-scan">${scanned.map(({name}, i) => option([String(i), name])).join('')}</select></div>
+              <div class="sides"><label for="vr-scan">Scan</label><select id="vr-scan">${scanned.map(({name}, i) => option([String(i), name])).join('')}</select></div>
             </fieldset>
           </div>
           <div class="drawing"></div>

@@ -1,5 +1,6 @@
 // Drawing one's room: corners on a metre grid, by pointer or keyboard.
 import type {Point2} from 'forewalk';
+import {onTheme} from '../theme';
 import {freeFloor, type FreeFloor, type TrackedRoom} from './room';
 
 const SNAP = 0.1;      // metres
@@ -40,6 +41,7 @@ export class RoomEditor {
     canvas.addEventListener('keydown', (event) => this.key(event));
     canvas.addEventListener('focus', () => this.draw());
     canvas.addEventListener('blur', () => this.draw());
+    onTheme(() => this.draw());
   }
 
   /** Shows a room; its corners are copied. */
