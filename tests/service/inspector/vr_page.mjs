@@ -22,7 +22,7 @@ const clock = () => {
   window.cancelAnimationFrame = (handle) => handle < 0 ? queue = queue.filter(([id]) => id !== -handle) : stop(handle);
   performance.now = () => time ?? now();
   window.clock = {
-    take() { time = now(); },
+    take() { time = 1e5; },  // ever the same, so that walks repeat to the bit
     step(seconds) {
       time += 1000 * seconds;
       const due = queue;
@@ -110,9 +110,10 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
   const nearest = {x: 0, z: 0, distance: 0};
   const gains = {translation: [9, -9], rotation: [9, -9], curvature: [9, -9]};
   const told = {frames: 0, seconds: 0, resets: 0, inside: Infinity, beside: 0, prompts: 0, wrong: [], rig: 0, level: 0, eyes: 0,
-    gridFar: 0, scripts: [], draws: [], calls: 0, triangles: 0, backs: 0};
+    gridFar: 0, hash: 0, scripts: [], draws: [], calls: 0, triangles: 0, backs: 0};
   const wrong = (what) => told.wrong.length < 5 && told.wrong.push(`frame ${told.frames}: ${what}`);
   const render = renderer.render;
+  const bits = new DataView(new ArrayBuffer(4));
   let drawing = true, spent = 0, framed = 0, before = 'none';
   const {frame: step} = vr;
   vr.frame = (...given) => {  // what is ours of a frame: all but the emulator and the drawing
@@ -144,6 +145,10 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
     }
     told.inside = Math.min(told.inside, nearestBorder(walls, walker.position[0], walker.position[2], nearest).distance);
     const asked = frame.resetting || frame.resetPhase === 'outside';
+    for (const value of frame.position) {  // FNV-1a over what was seen
+      bits.setFloat32(0, value);
+      told.hash = Math.imul(told.hash ^ bits.getInt32(0), 16777619) >>> 0;
+    }
     if (vr.prompt.shown !== asked) wrong(`prompt ${vr.prompt.shown}, reset ${frame.resetting}, "${vr.prompt.text}"`);
     if (frame.resetting) ++told.prompts;
     if (frame.resetPhase === 'backward' && vr.prompt.text !== 'Please step back') wrong(`backward, but "${vr.prompt.text}"`);
@@ -175,7 +180,7 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
   const quantile = (values, share) => values.sort((a, b) => a - b)[Math.floor(share * (values.length - 1))] ?? 0;
   const {scripts, draws, ...rest} = told;
   return {...rest, gains, virtual: vr.redirection.virtualMetres - from, physical: vr.redirection.physicalMetres,
-    wall: (realNow() - began) / 1000, script: [0.5, 0.99, 1].map((share) => quantile(scripts, share)),
+    wall: (realNow() - began) / 1000, script: [0.5, 0.95, 0.99, 1].map((share) => quantile(scripts, share)),
     draw: [0.5, 0.99].map((share) => quantile(draws, share)), area: vr.redirection.room.area, finished: walker.finished};
 }, settings);
 
