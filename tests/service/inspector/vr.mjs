@@ -127,6 +127,49 @@ const scenarios = {
     });
     assert.ok(!same && black, 'a room set up anew is another session, faded in');
     assert.ok(apart(before, await place()) < 0.5, 'at the same place of the building');
+
+    // Lost tracking is black, and no walk; the session goes on when it is found again.
+    const dark = await page.evaluate(() => {
+      const {getViewerPose} = XRFrame.prototype;
+      const shades = [], frame = vr.redirection.frame;
+      for (let i = 0; i < 90; ++i) clock.step(1 / 90);
+      shades.push(vr.fade.visible);
+      XRFrame.prototype.getViewerPose = () => null;
+      for (let i = 0; i < 45; ++i) clock.step(1 / 90);
+      shades.push(vr.fade.material.opacity, vr.redirection.frame === frame);
+      XRFrame.prototype.getViewerPose = getViewerPose;
+      for (let i = 0; i < 45; ++i) clock.step(1 / 90);
+      return [...shades, vr.fade.visible];
+    });
+    assert.deepEqual(dark, [false, 1, true, false]);
+
+    // Where the headset says how the origin has moved, nobody sees anything, twice over; hands and controllers are in
+    // the rig.
+    const jumps = await page.evaluate(() => {
+      const request = XRReferenceSpace.prototype.getOffsetReferenceSpace;
+      XRReferenceSpace.prototype.getOffsetReferenceSpace = function({matrix}) {  // the emulator takes a matrix
+        return request.call(this, matrix);
+      };
+      const base = vr.space, bases = Object.getOwnPropertySymbols(base).map((symbol) => base[symbol]).find((own) => own.offsetMatrix);
+      const seen = [];
+      let now = new XRRigidTransform();
+      for (const [x, z, half] of [[0.7, -0.4, 0.5], [-0.3, 1.1, -1.2]]) {
+        const before = Array.from(vr.redirection.frame.position);
+        const transform = new XRRigidTransform({x, y: 0, z}, {x: 0, y: Math.sin(half), z: 0, w: Math.cos(half)});
+        const matrix = vr.camera.matrix.clone().fromArray(now.matrix).multiply(vr.camera.matrix.clone().fromArray(transform.matrix));
+        bases.offsetMatrix.set(matrix.elements);
+        now = {matrix: matrix.elements};
+        base.dispatchEvent(new XRReferenceSpaceEvent('reset', {referenceSpace: base, transform}));
+        clock.step(1 / 90);
+        seen.push(Math.hypot(...before.map((value, i) => value - vr.redirection.frame.position[i])));
+      }
+      device.primaryInputMode = 'hand';
+      for (let i = 0; i < 3; ++i) clock.step(1 / 90);
+      const hands = vr.rig.getObjectByName('inputs').children.at(-1);
+      return {seen, joints: hands.count, shown: hands.visible};
+    });
+    assert.ok(jumps.seen.every((metres) => metres < 1e-3), `moved origins are seen: ${jumps.seen}`);
+    assert.deepEqual([jumps.joints, jumps.shown], [50, true]);
     await page.evaluate(() => vr.end());
     await page.waitForSelector('#enter-vr:enabled');
     assert.deepEqual(page.errors, []);

@@ -3,7 +3,7 @@
 // Every frame: the head's pose in the room goes to the session, and the rig goes where the head then is at the
 // session's virtual pose. Eyes, controllers, hands, the border's grid and the prompts are under the rig; the building
 // stands still.
-import {Group, PerspectiveCamera, Quaternion, Vector3, WebGLRenderer} from 'three';
+import {Group, Matrix4, PerspectiveCamera, Quaternion, Vector3, WebGLRenderer} from 'three';
 import type {Controller, Navmesh} from 'forewalk';
 import type {Building} from '../buildings';
 import {nearestBorder, type Nearest} from '../room';
@@ -78,6 +78,7 @@ export class VrWalk {
   readonly ended: Promise<void>;
 
   private readonly inputs: Inputs;
+  private readonly origin = new Matrix4();  // of `space`, seen from the one that was asked for
   private readonly head = new Vector3();
   private readonly gaze = new Quaternion();
   private readonly nearest: Nearest = {x: 0, z: 0, distance: 0};
@@ -208,10 +209,17 @@ export class VrWalk {
     space.addEventListener('reset', (event) => {
       const {transform} = event as XRReferenceSpaceEvent;
       if (transform) {
-        this.space = this.space.getOffsetReferenceSpace(transform.inverse);
+        // The old origin, seen from the new one.
+        this.origin.premultiply(new Matrix4().fromArray(transform.inverse.matrix));
+        const place = new Vector3(), turn = new Quaternion();
+        this.origin.decompose(place, turn, new Vector3());
+        this.space = space.getOffsetReferenceSpace(new XRRigidTransform(place, turn));
         this.renderer.xr.setReferenceSpace(this.space);
         return;
       }
+      this.origin.identity();
+      this.space = space;
+      this.renderer.xr.setReferenceSpace(space);
       const bounds = (space as XRBoundedReferenceSpace).boundsGeometry;
       if (this.prepared.choice.asked && bounds?.length) this.takeBounds(space as XRBoundedReferenceSpace);
       else this.moveInto(this.redirection.room);

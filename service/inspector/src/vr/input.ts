@@ -5,11 +5,17 @@ import {
 
 const JOINTS = 25;  // of a hand
 
+interface Hand {
+  visible: boolean;
+  /** By the names of WebXR; in the room. */
+  joints: Record<string, Object3D | undefined>;
+}
+
 /** Both sides. Belongs under the rig; one draw call a controller, one for both hands. */
 export class Inputs extends Group {
   private readonly joints = new InstancedMesh(
     new SphereGeometry(0.008, 8, 6), new MeshLambertMaterial({color: '#d9b79a'}), 2 * JOINTS);
-  private readonly hands: {joints: Record<string, Object3D | undefined>}[] = [];
+  private readonly hands: Hand[] = [];
   private readonly place = new Matrix4();
 
   constructor(renderer: WebGLRenderer) {
@@ -25,7 +31,7 @@ export class Inputs extends Group {
       grip.addEventListener('connected', ({data}) => body.visible = !data.hand);
       grip.addEventListener('disconnected', () => body.visible = false);
       const hand = renderer.xr.getHand(i);
-      this.hands.push(hand as unknown as {joints: Record<string, Object3D | undefined>});
+      this.hands.push(hand as unknown as Hand);
       this.add(grip.add(body), hand);
     }
     this.joints.frustumCulled = false;
@@ -36,7 +42,8 @@ export class Inputs extends Group {
   /** Once a frame: puts the hands' joints where they are tracked. */
   update(): void {
     let count = 0;
-    for (const {joints} of this.hands) {
+    for (const {joints, visible} of this.hands) {
+      if (!visible) continue;
       for (const name in joints) {
         const joint = joints[name];
         if (joint?.visible && count < 2 * JOINTS) this.joints.setMatrixAt(count++, this.place.copy(joint.matrix));

@@ -47,17 +47,15 @@ export function offerVr(button: HTMLButtonElement, forewalk: Forewalk, buildings
     clearTimeout(timer);
     // First of all: browsers grant sessions only while they deal with the click.
     const asked = requestSession();
-    let session: XRSession | null = null;
     try {
       const ready = prepare(choice);
-      session = await asked;
+      const walk = await VrWalk.begin(await asked, ready);
       prepared = null;  // the walk's, from here on
-      const walk = await VrWalk.begin(session, ready);
       document.dispatchEvent(new CustomEvent('forewalk:vr', {detail: walk}));
       await walk.ended;
     } catch (error) {
       say(`VR could not begin. ${(error as Error).message}`);
-      asked.then((begun) => begun.end(), () => {});
+      asked.then((session) => session.end()).catch(() => {});
       drop();
     } finally {
       walking = false;
