@@ -17,7 +17,7 @@ const SETTLE_STEP = 1 / 30;
  * The graph time is the mean of so many frames, because browsers' timers tick too coarsely for one; without the slowest
  * few, in which something else had the processor.
  */
-const MEAN_FRAMES = 30;
+const MEAN_FRAMES = 24;
 const LEFT_OUT = 3;
 
 export class Predictor {
