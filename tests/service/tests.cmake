@@ -140,7 +140,7 @@ if(NOT FOREWALK_SANITIZE)
   set(inspector_out ${CMAKE_CURRENT_BINARY_DIR}/inspector)
   add_dependencies(tests native_recording)
   forewalk_inspector_test(ShowsRecordingsAsTheNativeLibraryPredicts recording.mjs
-    $<TARGET_FILE:native_recording> ${inspector_out}/recording)
+    $<TARGET_FILE:native_recording> ${inspector_out}/recording $<TARGET_FILE:forewalk>)
   forewalk_inspector_test(PlaysTenMinutesWithinAFrame speed.mjs $<TARGET_FILE:native_recording> ${inspector_out}/speed)
   forewalk_inspector_test(WalksAtTheDaemonThroughItsEnd daemon.mjs $<TARGET_FILE:forewalk>
     ${PROJECT_SOURCE_DIR}/assets/scenes/museum.obj ${inspector_out}/daemon)

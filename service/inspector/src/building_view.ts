@@ -9,6 +9,7 @@ import {makeBuildingModel, makeLights, type BuildingModel} from './building_mode
 import {GraphModel} from './graph_model';
 import type {Ground} from './ground';
 import {Ribbons} from './ribbons';
+import {RoomOutline} from './room_outline';
 import {Sharpness} from './sharpness';
 import type {Theme} from './theme';
 import type {Walk} from './walk';
@@ -42,6 +43,7 @@ export class BuildingView {
   private readonly controls: OrbitControls;
   private readonly graph: GraphModel;
   private readonly walker: WalkerModel;
+  private readonly room: RoomOutline;
   private readonly picked = new Mesh(new BufferGeometry(), new MeshBasicMaterial({
     transparent: true, opacity: 0.35, depthWrite: false, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: -2,
   }));
@@ -63,10 +65,11 @@ export class BuildingView {
     this.renderer.localClippingEnabled = true;
     this.graph = new GraphModel(theme);
     this.walker = new WalkerModel(theme);
+    this.room = new RoomOutline(theme);
     this.lights = makeLights(theme);
     this.picked.renderOrder = 1;
     this.picked.frustumCulled = false;
-    this.scene.add(this.lights, this.graph, this.walker, this.picked, this.pickedPortals);
+    this.scene.add(this.lights, this.graph, this.walker, this.room, this.picked, this.pickedPortals);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.maxPolarAngle = 0.49 * Math.PI;
     this.controls.minDistance = 2;
@@ -91,6 +94,7 @@ export class BuildingView {
     this.model?.setTheme(theme);
     this.graph.setTheme(theme);
     this.walker.setTheme(theme);
+    this.room.setTheme(theme);
     (this.picked.material as MeshBasicMaterial).color.set(theme.user);
     this.dirty = true;
   }
@@ -112,6 +116,7 @@ export class BuildingView {
   /** Shows a frame of a walk and its graph. */
   show(walk: Walk, frame: number, graph: Graph | null): void {
     this.walker.show(walk, frame);
+    this.room.show(walk, frame);
     this.graph.show(graph);
     const at = 7 * frame;
     const floor = floorOf(walk, frame);

@@ -65,6 +65,8 @@ export const clockText = (seconds: number): string => {
   return (seconds < 0 ? '-' : '') + (hours ? `${hours}:${rest}` : rest);
 };
 
+// Between two labels of the time axis, seconds.
+const TIME_STEPS = [0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 36000, 86400];
 const LEFT = 44;    // pixels for the axes, the same in all charts, so that times lie below each other
 const RIGHT = 48;
 
@@ -173,7 +175,7 @@ export class Charts {
       const last = index === CHARTS.length - 1;
       const scales: uPlot.Scales = {x: {time: false}};
       const axes: uPlot.Axis[] = [{
-        ...axis, size: last ? 22 : 6, gap: 2, space: 70,
+        ...axis, size: last ? 22 : 6, gap: 2, space: 70, incrs: TIME_STEPS,
         values: (_, splits) => splits.map((split) => last ? clockText(split) : ''),
       }];
       Object.entries(spec.scales).forEach(([name, scale], i) => {
@@ -226,7 +228,9 @@ export class Charts {
     const {ctx} = plot;
     ctx.save();
     ctx.strokeStyle = this.theme.reset;
-    ctx.globalAlpha = 0.35;
+    // Fainter where there are many, so that a recorded hour can still be read.
+    const shown = walk.resetFrames.filter((frame) => walk.time[frame] >= this.from && walk.time[frame] <= this.to).length;
+    ctx.globalAlpha = Math.max(0.08, Math.min(0.4, 24 / shown));
     ctx.lineWidth = devicePixelRatio;
     ctx.beginPath();
     let drawn = -Infinity;

@@ -3,6 +3,7 @@ import type {Controller} from 'forewalk';
 import {buildings} from './buildings';
 import {rectangle, type Room} from './room';
 import type {LiveSettings} from './source';
+import type {RecordedSettings} from './walk';
 
 const CONTROLLERS: readonly [Controller, string][] = [
   ['foresight', 'foresight'], ['none', 'none'], ['s2c', 'steer to center'], ['s2o', 'steer to orbit'],
@@ -20,6 +21,7 @@ const ROOMS: readonly [string, string, Room][] = [
 
 /** The building that the daemon walks in, in the list of scenes. */
 export const DAEMON = 'daemon';
+const RECORDED = 'recorded';
 
 const get = <E extends HTMLElement>(id: string): E => document.getElementById(id) as E;
 
@@ -70,6 +72,20 @@ export class Controls {
 
   addBuilding(name: string, id: string): void {
     this.scene.add(new Option(name, id));
+  }
+
+  /** Shows what a recording was made with, as far as it is among the choices: a change then begins from there. */
+  reflect(settings: RecordedSettings, room: Room | null, scene: string | null): void {
+    const pick = (select: HTMLSelectElement, value: string): void => {
+      if ([...select.options].some((option) => option.value === value)) select.value = value;
+    };
+    if (scene !== null) pick(this.scene, scene);
+    if (settings.controller) pick(this.controller, settings.controller);
+    if (settings.horizon_m) this.horizon.value = String(settings.horizon_m);
+    if (!room) return;
+    if (!this.rooms.has(RECORDED)) this.room.add(new Option('as recorded', RECORDED));
+    this.rooms.set(RECORDED, room);
+    this.room.value = RECORDED;
   }
 
   /** Of the next walk. */

@@ -27,7 +27,7 @@ export class Inspector {
   readonly building: BuildingView | null;
   /** The latest frames of the page: milliseconds between them, and of our own work in each. */
   readonly costs = {between: new Float32Array(KEPT_COSTS), work: new Float32Array(KEPT_COSTS), count: 0};
-  /** Frames drawn so far that the graph was shown of. */
+  /** Of the frame shown; filled anew for the next. */
   graph: Graph | null = null;
 
   private readonly room: RoomView;
@@ -168,7 +168,7 @@ export class Inspector {
     if (this.span === Infinity) {
       if (!anew) return;
       // A walk that grows gets room to grow into, so that its charts do not creep.
-      this.shownTo = source.live ? Math.max(30, walk.duration * GROWTH) : walk.duration;
+      this.shownTo = source.live && this.player.playing ? Math.max(30, walk.duration * GROWTH) : walk.duration;
       this.charts.show(walk, 0, this.shownTo);
       return;
     }

@@ -60,6 +60,7 @@ function openRecording(name: string, walk: Walk): void {
   waiting = building ? null : {name, walk};
   inspector.open(recordingSource(walk, `${name}: ${walk.head.scene.replace(/^.*[\\/]/, '')}, ` +
     `${walk.head.settings.controller ?? 'no controller'}`), building && inspector.groundOf(building));
+  controls.reflect(walk.head.settings, walk.room, building && building.id);
   announce(`${name}: ${walk.length} frames.`);
   if (!building && missing) notice(missing, [{label: 'Open .fwmesh…', act: () => get('file').click()}]);
   else clearNotice();

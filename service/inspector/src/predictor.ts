@@ -17,7 +17,7 @@ const SETTLE_STEP = 1 / 30;
  * The graph time is the mean of so many frames, because browsers' timers tick too coarsely for one; without the slowest
  * few, in which something else had the processor.
  */
-const MEAN_FRAMES = 30;
+const MEAN_FRAMES = 24;
 const LEFT_OUT = 3;
 
 export class Predictor {
@@ -25,6 +25,8 @@ export class Predictor {
   private last = -1;
   private landed = false;    // the next frame is the first after a leap
   private graph: Graph | null = null;
+  // Filled again and again.
+  private readonly latest: Graph = {horizon: 0, completeTo: 0, nodes: [], edges: [], fronts: [], ways: [], likelihoodNone: 1};
   private clock = 0;
   private readonly times = new Float64Array(MEAN_FRAMES);
   private readonly sorted = new Float64Array(MEAN_FRAMES);
@@ -41,7 +43,7 @@ export class Predictor {
     if (frame === this.last) return this.graph;
     const ahead = this.last < 0 ? Infinity : walk.time[frame] - walk.time[this.last];
     const led = this.session && frame > this.last && ahead <= NEAR ? this.runTo(frame, 0) : this.leapTo(frame);
-    this.graph = led && this.session ? this.session.graph() : null;
+    this.graph = led && this.session ? this.session.graph(this.latest) : null;
     return this.graph;
   }
 

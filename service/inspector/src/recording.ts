@@ -160,15 +160,21 @@ export async function readRecording(file: File, progress: (share: number) => voi
   return reader.walk;
 }
 
-/** As short as reads back to the same float, and -0 apart from 0. */
+/** As the library writes a float: as short as reads back to the same one, -0 apart from 0. */
 function floatText(value: number): string {
   if (!Number.isFinite(value)) return 'null';
   if (Object.is(value, -0)) return '-0.0';
+  let shortest = value;
   for (let digits = 6; digits < 9; ++digits) {
-    const text = Number(value.toPrecision(digits));
-    if (Math.fround(text) === value) return String(text);
+    const rounded = Number(value.toPrecision(digits));
+    if (Math.fround(rounded) !== value) continue;
+    shortest = rounded;
+    break;
   }
-  return String(value);
+  if (shortest === value) shortest = Number(value.toPrecision(9));
+  const size = Math.abs(shortest);
+  if (size === 0 || size >= 1e-4 && size < 1e16) return String(shortest);
+  return shortest.toExponential().replace(/e([+-])(\d)$/, 'e$10$2');
 }
 
 /** A walk as the text of a recording, in pieces of some thousand lines for a Blob. O(frames), a second for an hour. */

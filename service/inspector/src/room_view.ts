@@ -202,7 +202,10 @@ export class RoomView {
     const label = `${nearest.distance.toFixed(2)} m`;
     c.font = this.font(12);
     c.textAlign = 'center';
-    const labelX = this.x((x + nearest.x) / 2), labelZ = this.z((z + nearest.z) / 2) - 6;
+    // On the line where there is room for it, else on the body's other side.
+    const apart = Math.abs(nearest.distance) * this.scale;
+    const away = apart > 60 || apart < 1 ? -0.5 : 26 / apart;
+    const labelX = this.x(x + away * (x - nearest.x)), labelZ = this.z(z + away * (z - nearest.z)) + (away < 0 ? -6 : 4);
     c.lineWidth = 4;
     c.lineJoin = 'round';
     c.strokeStyle = theme.floor;

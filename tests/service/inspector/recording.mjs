@@ -1,15 +1,16 @@
-// The page opened from disk, without a server, shows recordings: recording.mjs PAGE NATIVE_RECORDING FOLDER
+// The page opened from disk, without a server, shows recordings: recording.mjs PAGE NATIVE_RECORDING FOLDER FOREWALK
 //
 // The graphs that it draws are those that the native library predicted when the walk was made, at every fifth second; a
 // click on the floor names the polygon that the native library found there. What is no recording is refused in a
-// sentence, and what the page saves reads back to the same numbers.
+// sentence; what the page saves reads back to the same numbers, and a walk of its own is replayed by forewalk.
 import assert from 'node:assert/strict';
-import {execFileSync} from 'node:child_process';
+import {execFileSync, spawnSync} from 'node:child_process';
 import {readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
+import {fileURLToPath} from 'node:url';
 import {emptyFolder, jsonLines, openBrowser, openPage, openRecording, pageFile} from './browser.mjs';
 
-const [pages, native, folder] = process.argv.slice(2);
+const [pages, native, folder, forewalk] = process.argv.slice(2);
 emptyFolder(folder);
 process.stdout.write(execFileSync(native, [folder, '60']));
 const browser = await openBrowser();
@@ -120,6 +121,22 @@ const before = await columns();
 await openRecording(page, saved);
 assert.deepEqual(await columns(), before);
 console.log(`saved and opened again: ${before[0]} frames, hash ${before[1].toString(16)} twice`);
+
+// A walk of the page's own, as forewalk replays it.
+await page.selectOption('#scene', 'museum');
+await page.waitForFunction(() => inspector.player.source.live);
+await page.evaluate(() => { for (let second = 1; second <= 20; ++second) inspector.player.source.reach(second); });
+const [own] = await Promise.all([page.waitForEvent('download'), page.click('#save')]);
+await own.saveAs(join(folder, 'own.jsonl'));
+const scene = fileURLToPath(new URL('../../../assets/scenes/museum.obj', import.meta.url));
+const replayed = spawnSync(forewalk, ['replay', join(folder, 'own.jsonl'), scene, '--answers', join(folder, 'answers.jsonl')]);
+const answers = jsonLines(join(folder, 'answers.jsonl'));
+const walked = jsonLines(join(folder, 'own.jsonl')).slice(1).map((line) => line.out);
+assert.equal(answers.length, walked.length);
+const off = Math.max(...walked.map((out, i) => Math.max(...[0, 1, 2].map((k) => Math.abs(out.position[k] - answers[i].position[k])))));
+console.log(`walked in the page, replayed by forewalk: ${walked.length} frames, at most ${off.toExponential(1)} m off` +
+  `${replayed.status === 0 ? ', all the same to the last bit' : ''}`);
+assert.ok(walked.length > 1700 && off <= 1e-4);
 
 // What is no recording.
 const sentence = async (name, text) => {
