@@ -159,7 +159,7 @@ if(NOT FOREWALK_SANITIZE)
     list(GET named 1 script)
     add_test(NAME EnterVr.${name}
       COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/service/inspector/vr.sh ${script} ${PROJECT_SOURCE_DIR}/build)
-    set_tests_properties(EnterVr.${name} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 600)
+    set_tests_properties(EnterVr.${name} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 900)
   endforeach()
 endif()
 

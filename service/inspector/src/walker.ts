@@ -116,7 +116,9 @@ export class Walker {
     this.uniform = uniformNumbers(this.is.seed);
     this.graph = settings.graph;
     this.tour = (settings.tour ?? []).map((floor, i) => this.placeOf(floor, `place ${i + 1} of the tour`));
-    if (this.tour.length === 0 && !this.graph) throw new Error('walker: give a tour to follow, or a graph to wander by.');
+    if (this.tour.length === 0 && !this.graph) {
+      throw new Error('walker: give a tour to follow, or a graph to wander by.');
+    }
     for (let i = 1; i < this.tour.length; ++i) {
       if (this.ways.route(this.tour[i - 1], this.tour[i])) continue;
       throw new Error(`walker: there is no way to place ${i + 1} of the tour from the one before.`);

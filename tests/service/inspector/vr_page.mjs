@@ -94,14 +94,16 @@ export async function enter(page, {building = 'museum', controller = 'foresight'
  * frame. Every `drawn`-th frame is drawn; with `until` it stops early: 'prompt' in the middle of a turn,
  * 'marker' toward its end.
  */
-export const walk = (page, settings) => page.evaluate(({metres = Infinity, seconds = Infinity, drawn = 10, until = null}) => {
+export const walk = (page, settings) => page.evaluate((given) => {
+  const {metres = Infinity, seconds = Infinity, drawn = 10, until = null} = given;
   const {Walker, Ways, nearestBorder} = parts;
   const {renderer, camera} = vr;
   const {choice, navmesh} = vr.prepared;
   const state = window.walking ??= (() => {
     const [x, z] = vr.redirection.room.middle;
     return {
-      vr, walker: new Walker(navmesh, {tour: choice.building.tour, loop: true, body: {right: x, forward: -z, heading: 0}}),
+      vr,
+      walker: new Walker(navmesh, {tour: choice.building.tour, loop: true, body: {right: x, forward: -z, heading: 0}}),
       ways: new Ways(navmesh.polygons()),
     };
   })();
@@ -109,8 +111,8 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
   const walls = {border: choice.room.border, holes: choice.room.obstacles};
   const nearest = {x: 0, z: 0, distance: 0};
   const gains = {translation: [9, -9], rotation: [9, -9], curvature: [9, -9]};
-  const told = {frames: 0, seconds: 0, resets: 0, inside: Infinity, beside: 0, prompts: 0, wrong: [], rig: 0, level: 0, eyes: 0,
-    gridFar: 0, hash: 0, scripts: [], draws: [], calls: 0, triangles: 0, backs: 0};
+  const told = {frames: 0, seconds: 0, resets: 0, inside: Infinity, beside: 0, prompts: 0, wrong: [], rig: 0, level: 0,
+    eyes: 0, gridFar: 0, hash: 0, scripts: [], draws: [], calls: 0, triangles: 0, backs: 0};
   const wrong = (what) => told.wrong.length < 5 && told.wrong.push(`frame ${told.frames}: ${what}`);
   const render = renderer.render;
   const bits = new DataView(new ArrayBuffer(4));
@@ -151,8 +153,9 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
     }
     if (vr.prompt.shown !== asked) wrong(`prompt ${vr.prompt.shown}, reset ${frame.resetting}, "${vr.prompt.text}"`);
     if (frame.resetting) ++told.prompts;
-    if (frame.resetPhase === 'backward' && vr.prompt.text !== 'Please step back') wrong(`backward, but "${vr.prompt.text}"`);
-    if (frame.resetPhase === 'backward' && before !== 'backward') ++told.backs;
+    const back = frame.resetPhase === 'backward';
+    if (back && vr.prompt.text !== 'Please step back') wrong(`backward, but "${vr.prompt.text}"`);
+    if (back && before !== 'backward') ++told.backs;
     before = frame.resetPhase;
     // The rig takes the tracked head to the session's virtual pose, and keeps the world level.
     head.set(...walker.position).applyMatrix4(vr.rig.matrix);
@@ -161,11 +164,12 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
     if (told.frames % 10 === 1) {
       const floor = [frame.position[0], frame.position[1] - walker.position[1], frame.position[2]];
       const place = ways.locate(floor);
-      told.beside = Math.max(told.beside, place ? Math.hypot(place.floor[0] - floor[0], place.floor[2] - floor[2]) : Infinity);
+      const off = place ? Math.hypot(place.floor[0] - floor[0], place.floor[2] - floor[2]) : Infinity;
+      told.beside = Math.max(told.beside, off);
     }
     if (drawing) {  // what three.js renders from: both eyes about the virtual head
       const [one, other] = renderer.xr.getCamera().cameras;
-      left.setFromMatrixPosition(one.matrixWorld).add(right.setFromMatrixPosition(other.matrixWorld)).multiplyScalar(0.5);
+      left.setFromMatrixPosition(one.matrixWorld).lerp(right.setFromMatrixPosition(other.matrixWorld), 0.5);
       told.eyes = Math.max(told.eyes, Math.hypot(...left.toArray().map((v, i) => v - frame.position[i])));
       told.calls = Math.max(told.calls, renderer.info.render.calls);
       told.triangles = Math.max(told.triangles, renderer.info.render.triangles);
@@ -181,7 +185,7 @@ export const walk = (page, settings) => page.evaluate(({metres = Infinity, secon
   const {scripts, draws, ...rest} = told;
   return {...rest, gains, virtual: vr.redirection.virtualMetres - from, physical: vr.redirection.physicalMetres,
     wall: (realNow() - began) / 1000, script: [0.5, 0.95, 0.99, 1].map((share) => quantile(scripts, share)),
-    draw: [0.5, 0.99].map((share) => quantile(draws, share)), area: vr.redirection.room.area, finished: walker.finished};
+    draw: [0.5, 0.99].map((share) => quantile(draws, share)), finished: walker.finished};
 }, settings);
 
 /** What the headset shows, as a PNG: one more frame with the head where it is. */

@@ -24,8 +24,8 @@ const rooms = readdirSync(captures).map((file) => {
   const {extent} = capture.spatialEntities.find((entity) => entity.semanticLabel_META === 'FLOOR').bounded2D_META;
   const area = Math.abs(areaOf(room.border)), box = extent.width * extent.height;
   const free = freeFloor(room);
-  console.log(`${file}: ${walls.length} walls, ends at most ${gap.toFixed(3)} m apart, ${area.toFixed(1)} m^2 of a floor that ` +
-    `measures ${box.toFixed(1)}; ${room.obstacles.length} obstacles, ${free.area.toFixed(1)} m^2 free`);
+  console.log(`${file}: ${walls.length} walls, ends at most ${gap.toFixed(3)} m apart, ${area.toFixed(1)} m^2 of a ` +
+    `floor that measures ${box.toFixed(1)}; ${room.obstacles.length} obstacles, ${free.area.toFixed(1)} m^2 free`);
   assert.ok(gap < 0.3 && walls.length >= 4);
   assert.ok(area > 0.7 * box && area < 1.05 * box, 'walls enclose the floor, niches aside');
   assert.equal(problemOf(room.border), null);
@@ -52,7 +52,8 @@ assert.throws(() => roomFromCapture('two walls', {spatialEntities: []}), /two wa
 
 // Free floors: everywhere at least the margin from walls and furniture; as large in turned, moved and mirrored rooms.
 const moved = (room, turn, [dx, dz], mirror = 1) => {
-  const place = ([x, z]) => [mirror * x * Math.cos(turn) - z * Math.sin(turn) + dx, mirror * x * Math.sin(turn) + z * Math.cos(turn) + dz];
+  const cos = Math.cos(turn), sin = Math.sin(turn);
+  const place = ([x, z]) => [mirror * x * cos - z * sin + dx, mirror * x * sin + z * cos + dz];
   return {...room, border: room.border.map(place), obstacles: room.obstacles.map((ring) => ring.map(place))};
 };
 for (const room of [...rooms, rectangularRoom(5, 5)]) {
@@ -68,26 +69,29 @@ for (const room of [...rooms, rectangularRoom(5, 5)]) {
     });
   }
   near(inside(free, free.middle), free.clearance, 0.05, 'the middle is as free as it says');
-  for (const other of [moved(room, 0.7, [1, -2]), moved(room, 0, [0, 0], -1), {...room, border: [...room.border].reverse()}]) {
+  const others = [moved(room, 0.7, [1, -2]), moved(room, 0, [0, 0], -1), {...room, border: [...room.border].reverse()}];
+  for (const other of others) {
     near(freeFloor(other).area, free.area, 0.02, `${room.name}, free floor`);
   }
   assert.ok(freeFloor(room, 0).area > free.area);
 }
 near(freeFloor(rectangularRoom(5, 4)).area, 4.8 * 3.8, 1e-6, 'a rectangle less a hand on each side');
-near(freeFloor({...rectangularRoom(5, 4), obstacles: [[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]]}).area,
-  4.8 * 3.8 - 1.2 * 1.2, 1e-6, 'less a table');
-assert.throws(() => freeFloor({...rectangularRoom(2, 2), name: 'hall', obstacles: [[[-0.8, -0.8], [0.8, -0.8], [0.8, 0.8], [-0.8, 0.8]]]}),
+near(freeFloor({...rectangularRoom(5, 4), obstacles: [rectangularRoom(1, 1).border]}).area, 4.8 * 3.8 - 1.2 * 1.2, 1e-6,
+  'less a table');
+assert.throws(() => freeFloor({...rectangularRoom(2, 2), name: 'hall', obstacles: [rectangularRoom(1.6, 1.6).border]}),
   /hall: too little of the floor is free/);
 
 // What can't be walked in is said.
 assert.equal(problemOf(rectangularRoom(3, 3).border), null);
 assert.match(problemOf([[0, 0], [1, 1]]), /2 corners; at least 3/);
 assert.match(problemOf([[-2, -2], [2, 2], [2, -2], [-2, 2]]), /Two walls cross/);
-assert.match(problemOf([[0, 0], [4, 0], [4, 99], [0, 3]]), /A corner lies 4\.00 m right, -99\.00 m ahead; give metres within 50/);
+assert.match(problemOf([[0, 0], [4, 0], [4, 99], [0, 3]]),
+  /A corner lies 4\.00 m right, -99\.00 m ahead; give metres within 50/);
 assert.match(problemOf([[0, 0], [4, 0], [4, NaN]]), /A corner lies/);
 assert.match(problemOf([[0, 0], [9, 0], [9, 0.6], [0, 0.6]]), /too narrow: its widest place is 0\.30 m/);
 assert.match(roomFromBounds(undefined).problem, /says no bounds/);
-assert.match(roomFromBounds([{x: 0, z: 0}, {x: 1.6, z: 0}, {x: 1.6, z: 3}, {x: 0, z: 3}]).problem, /measure 1\.6 m x 3\.0 m; 2 m are needed/);
+assert.match(roomFromBounds([{x: 0, z: 0}, {x: 1.6, z: 0}, {x: 1.6, z: 3}, {x: 0, z: 3}]).problem,
+  /measure 1\.6 m x 3\.0 m; 2 m are needed/);
 assert.deepEqual(roomFromBounds([{x: 0, z: 0}, {x: 3, z: 0}, {x: 3, z: 3}]).border, [[0, 0], [3, 0], [3, 3]]);
 
 // The rig: at first at the start; then the tracked head is at the virtual one, upright, whatever the head does.
@@ -129,8 +133,10 @@ const frame = (resetPhase, instruction = 'none', resetRemaining = 2, resetTurned
   ({resetPhase, instruction, resetRemaining, resetTurned, resetBack});
 assert.equal(promptOf(frame('none')), null);
 assert.equal(promptOf(frame('near')), null);
-assert.deepEqual(promptOf(frame('outside')), {text: 'Walk back into your room', detail: 'toward the light', side: 0, angle: null});
-assert.deepEqual(promptOf(frame('backward', 'step-back', 2, 0, 0.42)), {text: 'Please step back', detail: '0.4 m', side: 0, angle: null});
+assert.deepEqual(promptOf(frame('outside')),
+  {text: 'Walk back into your room', detail: 'toward the light', side: 0, angle: null});
+assert.deepEqual(promptOf(frame('backward', 'step-back', 2, 0, 0.42)),
+  {text: 'Please step back', detail: '0.4 m', side: 0, angle: null});
 const left = promptOf(frame('turn', 'turn-left')), right = promptOf(frame('turn', 'turn-right'));
 assert.deepEqual([left.text, left.side, right.text, right.side], ['Please turn left', 1, 'Please turn right', -1]);
 assert.equal(promptOf(frame('turn', 'turn-around')).text, 'Please turn around');

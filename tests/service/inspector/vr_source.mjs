@@ -32,7 +32,9 @@ export async function source(build, ...modules) {
 
 /** The same as a script for a page, which has them in the global `name`. */
 export async function bundle(build, name, ...modules) {
-  const {outputFiles} = await esbuild.build({...settings(build, modules), write: false, format: 'iife', globalName: name});
+  const {outputFiles} = await esbuild.build({
+    ...settings(build, modules), write: false, format: 'iife', globalName: name,
+  });
   return `${outputFiles[0].text};window.${name} = ${name};`;
 }
 

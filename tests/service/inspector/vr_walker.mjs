@@ -128,6 +128,7 @@ for (let i = 0; i < 20000; ++i) ++tenths[Math.floor(10 * numbers())];
 assert.ok(tenths.every((count) => Math.abs(count - 2000) < 200));
 const {navmesh} = building(build, forewalk, 'museum');
 assert.throws(() => new Walker(navmesh, {}), /give a tour to follow, or a graph/);
-assert.throws(() => new Walker(navmesh, {tour: [[1e3, 0, 0]]}), /place 1 of the tour, 1000, 0, 0, is not within a metre/);
+assert.throws(() => new Walker(navmesh, {tour: [[1e3, 0, 0]]}),
+  /place 1 of the tour, 1000, 0, 0, is not within a metre/);
 assert.throws(() => new Walker(navmesh, {tour: [[21.5, 0, 34]], speed: 0}), /speed is 0/);
 console.log('walks repeat to the bit, in turned rooms as well');

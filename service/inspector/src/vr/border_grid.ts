@@ -29,8 +29,9 @@ const fragmentShader = `
     vec2 line = smoothstep(width * 2.0, width * 0.6, abs(fract(cells - 0.5) - 0.5));
     float far = distance(place.xz, head.xz);
     float near = smoothstep(${REACH.toFixed(2)}, 0.25, far);
-    float level = smoothstep(0.0, 0.1, place.y) * smoothstep(${HEIGHT.toFixed(2)}, ${(HEIGHT - 0.7).toFixed(2)}, place.y);
-    float alpha = (0.10 + 0.75 * max(line.x, line.y)) * near * (0.35 + 0.65 * level) * strength;
+    float foot = smoothstep(0.0, 0.1, place.y);
+    float top = smoothstep(${HEIGHT.toFixed(2)}, ${(HEIGHT - 0.7).toFixed(2)}, place.y);
+    float alpha = (0.10 + 0.75 * max(line.x, line.y)) * near * (0.35 + 0.65 * foot * top) * strength;
     if (alpha < 0.004) discard;
     gl_FragColor = vec4(color, alpha);
     #include <colorspace_fragment>

@@ -54,11 +54,13 @@ export class VrDialog {
     element.className = 'vr-dialog';
     element.setAttribute('aria-labelledby', 'vr-title');
     const option = ([value, text]: readonly [string, string]) => `<option value="${value}">${text}</option>`;
+    const side = (name: string, text: string) => `<label for="vr-${name}">${text}, m</label>
+      <input id="vr-${name}" type="number" min="1" max="50" step="0.1" value="5">`;
     element.innerHTML = `
       <form method="dialog">
         <h2 id="vr-title">Walk it yourself</h2>
-        <p class="lead">You walk the building on your own feet, in your own room. Where the room ends you are asked to stop
-          and turn. Clear the floor first.</p>
+        <p class="lead">You walk the building on your own feet, in your own room. Where the room ends you are asked to
+          stop and turn. Clear the floor first.</p>
         <div class="columns">
           <div>
             <div class="row"><label class="label" for="vr-building">Building</label>
@@ -68,13 +70,15 @@ export class VrDialog {
             <fieldset class="row"><legend>Room</legend>
               <label class="choice"><input type="radio" name="vr-room" value="headset" checked>
                 <span>As the headset says, or else as drawn</span></label>
-              <label class="choice"><input type="radio" name="vr-room" value="drawn"><span>As drawn</span></label>
+              <label class="choice"><input type="radio" name="vr-room" value="drawn">
+                <span>As drawn</span></label>
               <div class="sides">
-                <label for="vr-width">Width, m</label><input id="vr-width" type="number" min="1" max="50" step="0.1" value="5">
-                <label for="vr-depth">Depth, m</label><input id="vr-depth" type="number" min="1" max="50" step="0.1" value="5">
+                ${side('width', 'Width')} ${side('depth', 'Depth')}
                 <button type="button" id="vr-rectangle">Rectangle</button></div>
-              <label class="choice"><input type="radio" name="vr-room" value="scanned"><span>Somebody else's, scanned</span></label>
-              <div class="sides"><label for="vr-scan">Scan</label><select id="vr-scan">${scanned.map(({name}, i) => option([String(i), name])).join('')}</select></div>
+              <label class="choice"><input type="radio" name="vr-room" value="scanned">
+                <span>Somebody else's, scanned</span></label>
+              <div class="sides"><label for="vr-scan">Scan</label><select id="vr-scan">
+                ${scanned.map(({name}, i) => option([String(i), name])).join('')}</select></div>
             </fieldset>
           </div>
           <div class="drawing"></div>

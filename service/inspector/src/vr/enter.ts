@@ -56,7 +56,8 @@ export async function whyNoVr(): Promise<string | null> {
   if (!navigator.xr) return 'This browser has no WebXR. Open the page in the browser of a headset.';
   const supported = await navigator.xr.isSessionSupported('immersive-vr').catch(() => false);
   return supported ? null :
-    'No headset found. Plug one in, open the page in its browser, or try an emulator: the extension Immersive Web Emulator.';
+    'No headset found. Plug one in, open the page in its browser, or try an emulator: the extension Immersive Web ' +
+    'Emulator.';
 }
 
 /** Asks for a session. Has to be called from a click, before anything is waited for. */

@@ -1,6 +1,7 @@
 // Controllers and hands, as plain shapes that follow the rig.
 import {
-  CylinderGeometry, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, SphereGeometry, type Object3D, type WebGLRenderer,
+  CylinderGeometry, Group, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, SphereGeometry, type Object3D,
+  type WebGLRenderer,
 } from 'three';
 
 const JOINTS = 25;  // of a hand

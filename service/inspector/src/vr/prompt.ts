@@ -49,8 +49,9 @@ const MARKER_AWAY = 1.6;     // metres from the head to the marker
 const INK = '#ffffff';
 const ACCENT = '#ffb35c';
 
-const flat = (color: string, opacity = 1) =>
-  new MeshBasicMaterial({color, opacity, transparent: true, depthTest: false, depthWrite: false, fog: false, toneMapped: false});
+const flat = (color: string, opacity = 1) => new MeshBasicMaterial({
+  color, opacity, transparent: true, depthTest: false, depthWrite: false, fog: false, toneMapped: false,
+});
 
 /** The card and the marker. Belongs under the rig; a few draw calls while shown, none otherwise. */
 export class ResetPrompt extends Group {

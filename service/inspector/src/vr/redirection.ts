@@ -1,4 +1,5 @@
-// Somebody in a headset, redirected: the session, and the rig that puts what the headset renders where the session says.
+// Somebody in a headset, redirected: the session, and the rig that puts what the headset renders where the session
+// says.
 import {Matrix4, Quaternion, Vector3} from 'three';
 import type {Controller, Frame, Navmesh, Session} from 'forewalk';
 import {roomForSession} from '../room';

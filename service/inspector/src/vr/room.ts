@@ -71,7 +71,8 @@ export function problemOf(border: readonly Point2[]): string | null {
   }
   const {clearance} = freest(outlines([border]));
   if (clearance >= CLEARANCE) return null;
-  return `The room is too narrow: its widest place is ${clearance.toFixed(2)} m from a wall, and ${CLEARANCE} m are needed.`;
+  return `The room is too narrow: its widest place is ${clearance.toFixed(2)} m from a wall, and ${CLEARANCE} m are ` +
+    'needed.';
 }
 
 /** The place farthest from all rings, by shrinking them until nothing is left. */
@@ -126,7 +127,8 @@ export function freeFloor(room: TrackedRoom, margin = MARGIN): FreeFloor {
   const {middle, clearance} = floor ? freest(floor) : {middle: [0, 0] as Point2, clearance: 0};
   if (!floor || clearance < CLEARANCE - margin) {
     throw new Error(`${room.name}: too little of the floor is free. At its widest place ${clearance.toFixed(2)} m ` +
-      `are left on each side; ${(CLEARANCE - margin).toFixed(2)} m are needed. Move furniture out, or draw a larger room.`);
+      `are left on each side; ${(CLEARANCE - margin).toFixed(2)} m are needed. Move furniture out, or draw a larger ` +
+      'room.');
   }
   const [border, ...holes] = floor.map(ring);
   const area = floor.reduce((sum, points) => sum + areaD(points), 0);
@@ -141,7 +143,8 @@ const outlines = (rings: readonly (readonly Point2[])[]): PathsD =>
  * The room that a headset says it has (XRBoundedReferenceSpace.boundsGeometry), or why it can't be used: it says
  * none, crosses itself, or measures less than 2 m.
  */
-export function roomFromBounds(bounds: readonly {x: number; z: number}[] | null | undefined): TrackedRoom | {problem: string} {
+export function roomFromBounds(
+    bounds: readonly {x: number; z: number}[] | null | undefined): TrackedRoom | {problem: string} {
   if (!bounds || bounds.length < 3) return {problem: 'The headset says no bounds of its room.'};
   const border = bounds.map(({x, z}): Point2 => [x, z]);
   const problem = problemOf(border);
@@ -149,7 +152,8 @@ export function roomFromBounds(bounds: readonly {x: number; z: number}[] | null 
   const {left, right, front, back} = extentOf({border, holes: []});
   const sides = [right - left, back - front];
   if (Math.min(...sides) < 2) {
-    return {problem: `The headset's bounds measure ${sides.map((side) => side.toFixed(1)).join(' m x ')} m; 2 m are needed.`};
+    const measured = sides.map((side) => `${side.toFixed(1)} m`).join(' x ');
+    return {problem: `The headset's bounds measure ${measured}; 2 m are needed.`};
   }
   return {name: 'as the headset says', border, obstacles: []};
 }

@@ -50,7 +50,8 @@ export class RoomEditor {
     this.editable = editable;
     this.selected = 0;
     this.said.textContent = editable ?
-      'Drag corners; a click on a wall adds one, a double click removes one. You stand at the arrow, looking along it.' :
+      'Drag corners; a click on a wall adds one, a double click removes one. You stand at the arrow, looking along ' +
+      'it.' :
       'Scanned with a headset; furniture is left out.';
     this.refresh();
   }
@@ -70,7 +71,8 @@ export class RoomEditor {
     this.refresh();
     const [x, z] = this.room.border[this.selected];
     this.said.textContent = `Corner ${this.selected + 1} of ${this.room.border.length}: ` +
-      `${Math.abs(x).toFixed(1)} m ${x < 0 ? 'left' : 'right'}, ${Math.abs(z).toFixed(1)} m ${z > 0 ? 'behind' : 'ahead'}.`;
+      `${Math.abs(x).toFixed(1)} m ${x < 0 ? 'left' : 'right'}, ` +
+      `${Math.abs(z).toFixed(1)} m ${z > 0 ? 'behind' : 'ahead'}.`;
     this.changed(this.room.border);
   }
 

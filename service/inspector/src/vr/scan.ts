@@ -117,7 +117,8 @@ export function roomFromCapture(name: string, capture: Capture): TrackedRoom {
   const {walls, gap} = chainOfWalls(capture);
   if (walls.length < 3) throw new Error(`${name}: ${walls.length} walls in the capture, at least 3 are needed.`);
   if (gap > MEETING) {
-    throw new Error(`${name}: two walls that should meet are ${gap.toFixed(2)} m apart, at most ${MEETING} m close a room.`);
+    throw new Error(`${name}: two walls that should meet are ${gap.toFixed(2)} m apart, at most ${MEETING} m close a ` +
+      'room.');
   }
   const border = walls.map((wall, i) => corner(walls.at(i - 1)!, wall));
   const floor = capture.spatialEntities.find((entity) => entity.semanticLabel_META === 'FLOOR');

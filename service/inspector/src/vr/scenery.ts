@@ -3,8 +3,9 @@
 // For headsets that draw with a phone's means: the building is three draw calls, lit without shadows; patterns are two
 // small textures, and the darker foot of the walls is in the corners' colours.
 import {
-  BackSide, BufferAttribute, CanvasTexture, Color, DirectionalLight, Fog, Group, HemisphereLight, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, PlaneGeometry, RepeatWrapping, Scene, SphereGeometry, SRGBColorSpace, type BufferGeometry,
+  BackSide, BufferAttribute, CanvasTexture, Color, DirectionalLight, Fog, Group, HemisphereLight, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, RepeatWrapping, Scene, SphereGeometry, SRGBColorSpace,
+  type BufferGeometry,
 } from 'three';
 import type {Polygon} from 'forewalk';
 import {makeBuildingModel, type BuildingModel, type BuildingTheme} from '../building_model';
@@ -67,7 +68,8 @@ function surroundings(): Group {
     mixed.lerpColors(horizon, zenith, Math.sqrt(up)).toArray(colors, 3 * i);
   }
   dome.setAttribute('color', new BufferAttribute(colors, 3));
-  const sky = new Mesh(dome, new MeshBasicMaterial({vertexColors: true, side: BackSide, fog: false, depthWrite: false}));
+  const sky = new Mesh(
+    dome, new MeshBasicMaterial({vertexColors: true, side: BackSide, fog: false, depthWrite: false}));
   sky.renderOrder = -1;
   const earth = new Mesh(new PlaneGeometry(4 * FAR, 4 * FAR), new MeshBasicMaterial({color: EARTH}));
   earth.rotation.x = -Math.PI / 2;
@@ -114,7 +116,9 @@ const planks = () => texture(512, (context) => {
     for (let j = 0; j < 3; ++j) {
       const light = 222 + 30 * uniform();
       context.fillStyle = `rgb(${light}, ${light - 3}, ${light - 8})`;
-      for (const wrap of [-512, 0, 512]) context.fillRect(offset + j * 512 / 3 + wrap, i * row, 512 / 3 - 1.5, row - 1.5);
+      for (const wrap of [-512, 0, 512]) {
+        context.fillRect(offset + j * 512 / 3 + wrap, i * row, 512 / 3 - 1.5, row - 1.5);
+      }
     }
     context.fillStyle = 'rgba(70, 50, 30, 0.05)';
     for (let j = 0; j < 14; ++j) context.fillRect(uniform() * 512, i * row + uniform() * row, 40 + 120 * uniform(), 1);
