@@ -5,10 +5,11 @@
 // room, the virtual path never leaves the floor, prompts are there exactly during resets, and what three.js renders
 // from is the session's pose.
 import assert from 'node:assert/strict';
-import {enter, launch, openPage, walk} from './vr_page.mjs';
+import {openBrowser} from './browser.mjs';
+import {enter, openPage, walk} from './vr_page.mjs';
 
 const [build, only = ''] = process.argv.slice(2);
-const browser = await launch();
+const browser = await openBrowser();
 
 function report(name, told) {
   const range = ([low, high]) => `${low.toFixed(2)} to ${high.toFixed(2)}`;

@@ -4,10 +4,8 @@
 // both are the test's, so that a simulated second is 90 frames whatever the machine.
 import {readFileSync, writeFileSync} from 'node:fs';
 import {resolve} from 'node:path';
-import {pathToFileURL} from 'node:url';
-import {bundle, packageFile, packageOf} from './vr_source.mjs';
-
-const CHROMIUM = '/usr/bin/chromium';
+import {pageFile} from './browser.mjs';
+import {bundle, packageFile} from './vr_source.mjs';
 
 const clock = () => {
   const frames = window.requestAnimationFrame.bind(window), stop = window.cancelAnimationFrame.bind(window);
@@ -31,11 +29,6 @@ const clock = () => {
     },
   };
 };
-
-/** Starts the browser. */
-export const launch = () => packageOf('playwright-core').chromium.launch({
-  executablePath: CHROMIUM, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
 
 /** Opens the built page with a Quest 3 and what the tests need of the page's modules, as `window.parts`. */
 export async function openPage(browser, build, {headset = true, side = 320, bounds = null} = {}) {
@@ -64,7 +57,7 @@ export async function openPage(browser, build, {headset = true, side = 320, boun
       document.addEventListener('forewalk:notice', ({detail}) => window.notice = detail);
     }, bounds);
   }
-  await page.goto(`${pathToFileURL(resolve(build, 'inspector/page/index.html'))}?play=0`);
+  await page.goto(pageFile(resolve(build, 'inspector/page'), '?play=0'));
   await page.waitForSelector('html[data-ready]', {timeout: 60_000, state: 'attached'});
   return page;
 }

@@ -1,11 +1,12 @@
 // What the headset shows, as pictures: node vr_pictures.mjs BUILD FOLDER [SIDE]
 import {mkdirSync} from 'node:fs';
 import {join} from 'node:path';
-import {enter, launch, openPage, picture, walk} from './vr_page.mjs';
+import {openBrowser} from './browser.mjs';
+import {enter, openPage, picture, walk} from './vr_page.mjs';
 
 const [build, folder, side = 800] = process.argv.slice(2);
 mkdirSync(folder, {recursive: true});
-const browser = await launch();
+const browser = await openBrowser();
 const page = await openPage(browser, build, {side: Number(side)});
 const shoot = async (name, settings) => {
   await walk(page, {drawn: 1000, ...settings});
