@@ -66,7 +66,7 @@ export const clockText = (seconds: number): string => {
 };
 
 // Between two labels of the time axis, seconds.
-const TIME_STEPS = [0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 36000, 86400];
+const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 36000, 86400];
 const LEFT = 44;    // pixels for the axes, the same in all charts, so that times lie below each other
 const RIGHT = 48;
 

@@ -168,7 +168,8 @@ export class Inspector {
     if (this.span === Infinity) {
       if (!anew) return;
       // A walk that grows gets room to grow into, so that its charts do not creep.
-      this.shownTo = source.live && this.player.playing ? Math.max(30, walk.duration * GROWTH) : walk.duration;
+      this.shownTo = !source.live ? walk.duration
+        : this.player.playing ? Math.max(30, walk.duration * GROWTH) : Math.max(10, walk.duration);
       this.charts.show(walk, 0, this.shownTo);
       return;
     }
