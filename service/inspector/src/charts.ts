@@ -4,6 +4,7 @@
 // its frames, so that no peak is lost. The playhead is an element of its own: moving it draws no chart anew.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
+import {span} from './dom';
 import type {Theme} from './theme';
 import type {Walk} from './walk';
 
@@ -246,13 +247,6 @@ export class Charts {
     ctx.stroke();
     ctx.restore();
   }
-}
-
-function span(name: string, text: string): HTMLSpanElement {
-  const element = document.createElement('span');
-  element.className = name;
-  element.textContent = text;
-  return element;
 }
 
 /** Two points a pixel: the smallest and the largest value of its frames; null where there is none. O(frames shown). */

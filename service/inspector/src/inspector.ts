@@ -4,6 +4,7 @@ import type {Building} from './buildings';
 import {BuildingView, type Pick} from './building_view';
 import {Charts} from './charts';
 import {describePolygon} from './describe';
+import {get} from './dom';
 import {sampleGraphTimes} from './graph_time';
 import {openGround, type Ground} from './ground';
 import {Player} from './player';
@@ -17,8 +18,6 @@ import {currentTheme, onTheme} from './theme';
 const REFILL = 500;
 const GROWTH = 1.5;
 const KEPT_COSTS = 1 << 16;
-
-const get = <E extends HTMLElement>(id: string): E => document.getElementById(id) as E;
 
 export class Inspector {
   readonly player = new Player();

@@ -4,6 +4,7 @@ import './style.css';
 import {buildings, type Building} from './buildings';
 import {Controls, DAEMON} from './controls';
 import {DaemonWalk, daemonNavmesh, type Access} from './daemon_walk';
+import {get} from './dom';
 import {listenToFiles, saveRecording} from './open_files';
 import {buildingOf, bundledHashes, groundOfRecording, hashOf} from './ground';
 import {Inspector} from './inspector';
@@ -13,8 +14,6 @@ import {PageWalk} from './page_walk';
 import {recordingSource} from './source';
 import {SteeredBody} from './steered_body';
 import type {Walk} from './walk';
-
-const get = <E extends HTMLElement>(id: string): E => document.getElementById(id) as E;
 
 const address = new URLSearchParams(location.search);
 const forewalk = await load();
