@@ -4,6 +4,7 @@
 // its frames, so that no peak is lost. The playhead is an element of its own: moving it draws no chart anew.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
+import {span} from './dom';
 import type {Theme} from './theme';
 import type {Walk} from './walk';
 
@@ -66,7 +67,7 @@ export const clockText = (seconds: number): string => {
 };
 
 // Between two labels of the time axis, seconds.
-const TIME_STEPS = [0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 36000, 86400];
+const TIME_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 36000, 86400];
 const LEFT = 44;    // pixels for the axes, the same in all charts, so that times lie below each other
 const RIGHT = 48;
 
@@ -246,13 +247,6 @@ export class Charts {
     ctx.stroke();
     ctx.restore();
   }
-}
-
-function span(name: string, text: string): HTMLSpanElement {
-  const element = document.createElement('span');
-  element.className = name;
-  element.textContent = text;
-  return element;
 }
 
 /** Two points a pixel: the smallest and the largest value of its frames; null where there is none. O(frames shown). */

@@ -1,6 +1,7 @@
 // The form of a walk in the page: scene, controller, horizon, room, walker; filled from the page's address.
 import type {Controller} from 'forewalk';
 import {buildings} from './buildings';
+import {get} from './dom';
 import {rectangle, type Room} from './room';
 import type {LiveSettings} from './source';
 import type {RecordedSettings} from './walk';
@@ -22,8 +23,6 @@ const ROOMS: readonly [string, string, Room][] = [
 /** The building that the daemon walks in, in the list of scenes. */
 export const DAEMON = 'daemon';
 const RECORDED = 'recorded';
-
-const get = <E extends HTMLElement>(id: string): E => document.getElementById(id) as E;
 
 export class Controls {
   /** Told when somebody chose something else that can be walked. */

@@ -4,6 +4,7 @@ import type {Building} from './buildings';
 import {BuildingView, type Pick} from './building_view';
 import {Charts} from './charts';
 import {describePolygon} from './describe';
+import {get} from './dom';
 import {sampleGraphTimes} from './graph_time';
 import {openGround, type Ground} from './ground';
 import {Player} from './player';
@@ -17,8 +18,6 @@ import {currentTheme, onTheme} from './theme';
 const REFILL = 500;
 const GROWTH = 1.5;
 const KEPT_COSTS = 1 << 16;
-
-const get = <E extends HTMLElement>(id: string): E => document.getElementById(id) as E;
 
 export class Inspector {
   readonly player = new Player();
@@ -168,7 +167,8 @@ export class Inspector {
     if (this.span === Infinity) {
       if (!anew) return;
       // A walk that grows gets room to grow into, so that its charts do not creep.
-      this.shownTo = source.live && this.player.playing ? Math.max(30, walk.duration * GROWTH) : walk.duration;
+      this.shownTo = !source.live ? walk.duration
+        : this.player.playing ? Math.max(30, walk.duration * GROWTH) : Math.max(10, walk.duration);
       this.charts.show(walk, 0, this.shownTo);
       return;
     }

@@ -4,18 +4,17 @@ import './style.css';
 import {buildings, type Building} from './buildings';
 import {Controls, DAEMON} from './controls';
 import {DaemonWalk, daemonNavmesh, type Access} from './daemon_walk';
-import {listenToFiles, saveRecording} from './open_files';
+import {get} from './dom';
 import {buildingOf, bundledHashes, groundOfRecording, hashOf} from './ground';
 import {Inspector} from './inspector';
 import {listenToKeys} from './keyboard';
 import {announce, clearNotice, notice} from './notices';
+import {listenToFiles, saveRecording} from './open_files';
 import {PageWalk} from './page_walk';
 import {recordingSource} from './source';
 import {SteeredBody} from './steered_body';
 import {offerVr} from './vr/offer';
 import type {Walk} from './walk';
-
-const get = <E extends HTMLElement>(id: string): E => document.getElementById(id) as E;
 
 const address = new URLSearchParams(location.search);
 const forewalk = await load();

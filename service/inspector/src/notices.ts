@@ -1,5 +1,5 @@
 // What the page has to say beside what it shows: something went wrong, something is being read.
-const get = <E extends HTMLElement>(selector: string): E => document.querySelector(selector) as E;
+const find = <E extends HTMLElement>(selector: string): E => document.querySelector(selector) as E;
 
 export interface Choice {
   label: string;
@@ -8,9 +8,9 @@ export interface Choice {
 
 /** One clear sentence, with what can be done; always with a button that puts it away. */
 export function notice(sentence: string, choices: Choice[] = []): void {
-  const box = get('#notice');
-  const buttons = get('#notice .notice-actions');
-  get('#notice p').textContent = sentence;
+  const box = find('#notice');
+  const buttons = find('#notice .notice-actions');
+  find('#notice p').textContent = sentence;
   buttons.replaceChildren(...[...choices, {label: 'Close', act: () => undefined}].map(({label, act}) => {
     const button = document.createElement('button');
     button.type = 'button';
@@ -25,22 +25,22 @@ export function notice(sentence: string, choices: Choice[] = []): void {
 }
 
 export function clearNotice(): void {
-  get('#notice').hidden = true;
+  find('#notice').hidden = true;
 }
 
 /** For those who hear the page. */
 export function announce(sentence: string): void {
-  get('#announcer').textContent = sentence;
+  find('#announcer').textContent = sentence;
 }
 
 /** Shows that a file is being read; `stop` is for who does not want to wait. Returns what moves and what ends it. */
 export function showProgress(name: string, stop: () => void): {move: (share: number) => void; end: () => void} {
-  const box = get('#progress');
-  const bar = get<HTMLProgressElement>('#progress progress');
-  get('#progress label span').textContent = `Reading ${name}`;
+  const box = find('#progress');
+  const bar = find<HTMLProgressElement>('#progress progress');
+  find('#progress label span').textContent = `Reading ${name}`;
   bar.value = 0;
   box.hidden = false;
-  const button = get<HTMLButtonElement>('#progress button');
+  const button = find<HTMLButtonElement>('#progress button');
   button.onclick = stop;
   return {move: (share) => { bar.value = share; }, end: () => { box.hidden = true; }};
 }

@@ -1,9 +1,8 @@
 // Recordings and navmeshes from disk, by the file picker or dropped on the page; and walks to disk.
+import {get} from './dom';
 import {notice, showProgress} from './notices';
 import {readRecording, RecordingError, recordingText} from './recording';
 import type {Walk} from './walk';
-
-const get = <E extends HTMLElement>(id: string): E => document.getElementById(id) as E;
 
 export interface FileUses {
   /** A navmesh's bytes. */

@@ -204,7 +204,8 @@ export class RoomView {
     c.textAlign = 'center';
     // On the line where there is room for it, else on the body's other side.
     const apart = Math.abs(nearest.distance) * this.scale;
-    const away = apart > 60 || apart < 1 ? -0.5 : 26 / apart;
+    const beside = 24 + 16 * Math.abs(nearest.x - x) / Math.max(Math.abs(nearest.distance), 1e-6);
+    const away = apart > 60 || apart < 1 ? -0.5 : beside / apart;
     const labelX = this.x(x + away * (x - nearest.x)), labelZ = this.z(z + away * (z - nearest.z)) + (away < 0 ? -6 : 4);
     c.lineWidth = 4;
     c.lineJoin = 'round';

@@ -7,9 +7,9 @@ import {pathToFileURL} from 'node:url';
 const require = createRequire(new URL('../../../service/inspector/package.json', import.meta.url));
 const {chromium} = require('playwright-core');
 
-/** Chromium without a graphics card: what is drawn is drawn by the processor. */
+/** Chromium without a graphics card: what is drawn, WebGL included, is drawn by the processor. */
 export const openBrowser = () => chromium.launch({
-  executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+  executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--enable-unsafe-swiftshader'],
 });
 
 /** The page from disk, as somebody opens it who has no server. */

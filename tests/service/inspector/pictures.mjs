@@ -7,7 +7,7 @@ import {join} from 'node:path';
 import {openBrowser, openPage, pageFile} from './browser.mjs';
 
 const [pages, folder] = process.argv.slice(2);
-const SECONDS = 94;
+const SECONDS = 72;
 const browser = await openBrowser();
 for (const colorScheme of ['light', 'dark']) {
   const {page} = await openPage(browser, pageFile(pages, '?play=0&scene=museum&controller=foresight&room=5x5&horizon=12'),
