@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "navmesh/build/fwmesh.h"
 #include "service/cli/scene_options.h"
 #include "service/cli/verb.h"
 #include "service/daemon/daemon.h"
@@ -57,8 +58,10 @@ tl::expected<void, Error> run(ServeOptions& options) {
   if (!navMesh) return tl::unexpected(navMesh.error());
   auto world = service::makeWorld(*navMesh);
   if (!world) return tl::unexpected(std::move(world.error()));
+  const std::vector<std::byte> fwmesh = navmesh::saveFwmesh(*navMesh);
+  settings.fwmesh.assign(reinterpret_cast<const char*>(fwmesh.data()), fwmesh.size());
   auto started =
-      daemon::Daemon::start(std::move(*world), daemon::hashOf(*navMesh), std::move(settings));
+      daemon::Daemon::start(std::move(*world), daemon::hashOf(fwmesh), std::move(settings));
   if (!started) return tl::unexpected(std::move(started.error()));
   fmt::print("http://{}:{}\n", options.daemon.access.address, (*started)->port());
   std::fflush(stdout);

@@ -20,6 +20,7 @@ namespace websocket = beast::websocket;
 namespace {
 
 constexpr std::string_view kSessionPath = "/v1/session";
+constexpr std::string_view kNavMeshPath = "/v1/navmesh";
 constexpr std::string_view kPlain = "text/plain; charset=utf-8";
 
 std::string_view viewOf(beast::string_view text) { return {text.data(), text.size()}; }
@@ -121,12 +122,18 @@ void Connection::answerPage(std::string_view path, bool bodyWanted) {
     return shared_.draining ? respond(503, kPlain, "draining\n", bodyWanted)
                             : respond(200, kPlain, "ok\n", bodyWanted);
   }
-  if (path == "/metrics") {
+  if (path == "/metrics" || path == kNavMeshPath) {
     if (!tokenGiven(shared_.settings.access, header(http::field::authorization), {})) {
       return refuseRequest(401, Refusal::kAccess,
-                           "the metrics need the access token: send "
-                           "Authorization: Bearer TOKEN.");
+                           fmt::format("{} needs the access token: send Authorization: Bearer "
+                                       "TOKEN.",
+                                       path));
     }
+  }
+  if (path == kNavMeshPath && !shared_.settings.fwmesh.empty()) {
+    return respond(200, "application/octet-stream", shared_.settings.fwmesh, bodyWanted);
+  }
+  if (path == "/metrics") {
     std::vector<const Counters*> threads;
     for (const auto& worker : shared_.workers) threads.push_back(&worker->counters);
     DaemonFacts facts{FOREWALK_VERSION, shared_.navMeshText, shared_.connections, 0, 0,
@@ -149,8 +156,8 @@ void Connection::answerPage(std::string_view path, bool bodyWanted) {
                    bodyWanted);
   }
   refuseRequest(404, Refusal::kRequest,
-                fmt::format("there is no {}; there are /healthz, /metrics, /v1/session and the "
-                            "inspector at /.",
+                fmt::format("there is no {}; there are /healthz, /metrics, /v1/session, "
+                            "/v1/navmesh and the inspector at /.",
                             inQuotes(path)));
 }
 

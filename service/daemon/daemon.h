@@ -31,6 +31,7 @@ struct DaemonSettings {
   Pages pages;                       ///< the inspector; empty: "/" says that there is none
   std::filesystem::path recordings;  ///< folder; empty: nothing is recorded
   std::string scene;                 ///< its name, for recordings
+  std::string fwmesh;                ///< the navmesh, for pages that draw it; empty: not served
 };
 
 struct Shared;

@@ -175,8 +175,11 @@ export interface Session extends Handle {
   setStanding(people: Standing[]): void;
   /** Goes on in another navmesh of the same building. */
   enter(navmesh: Navmesh): void;
-  /** The graph that the latest frame predicted, as plain objects: a copy, for drawing. */
-  graph(): Graph;
+  /**
+   * The graph that the latest frame predicted, as plain objects: a copy, for drawing. Fills and returns `into`, by
+   * default a new one: whoever draws every frame hands in the last and makes hardly any garbage.
+   */
+  graph(into?: Graph): Graph;
 }
 
 export interface Forewalk {

@@ -64,6 +64,11 @@ class Library {
   constructor(core) {
     this.core = core;
     this.layout = JSON.parse(core.UTF8ToString(core._forewalk_wasm_layout()));
+    this.structs = {};  // the same by struct and field
+    for (const [name, offset] of Object.entries(this.layout)) {
+      const [struct, field] = name.split('.');
+      (this.structs[struct] ??= {})[field] = offset;
+    }
     const version = core._forewalk_version();
     this.version = `${version >>> 16}.${(version >>> 8) & 255}.${version & 255}`;
     this.pointer = core._malloc(8);
@@ -364,58 +369,68 @@ class Session extends Handle {
     this.library.check(this.library.core._forewalk_session_enter(this.handle, navmesh.handle));
   }
 
-  graph() {
+  graph(into = {horizon: 0, completeTo: 0, nodes: [], edges: [], fronts: [], ways: [], likelihoodNone: 1}) {
     const {library} = this;
-    const {core, layout} = library;
+    const {core, structs} = library;
     library.check(core._forewalk_graph(this.handle, library.view));
     const {HEAPF32: f, HEAPU32: u, HEAPU8: b} = core;
-    const field = (name) => (library.view + layout[`graph_view.${name}`]) >> 2;
-    const rows = (struct, list, count, make) => {
-      const size = layout[`${struct}.size`];
-      const first = u[field(list)];
-      const of = (name) => layout[`${struct}.${name}`];
-      return Array.from({length: u[field(count)]}, (_, i) => make(first + i * size, of));
+    const {graph_view: view, node: inNode, edge: inEdge, front: inFront, way: inWay} = structs;
+    const field = (offset) => (library.view + offset) >> 2;
+    const number = (at) => u[at >> 2] === NONE ? null : u[at >> 2];
+    const vector = (out, at) => {
+      out[0] = f[at >> 2];
+      out[1] = f[(at >> 2) + 1];
+      out[2] = f[(at >> 2) + 2];
     };
-    const vector = (at) => [f[at >> 2], f[(at >> 2) + 1], f[(at >> 2) + 2]];
-    const nodes = rows('node', 'nodes', 'node_count', (at, of) => ({
-      position: vector(at + of('position')),
-      distance: f[(at + of('distance')) >> 2],
-      prev: u[(at + of('prev')) >> 2] === NONE ? null : u[(at + of('prev')) >> 2],
-      polygon: u[(at + of('polygon')) >> 2] === NONE ? null : u[(at + of('polygon')) >> 2],
-      kind: KINDS[b[at + of('kind')]],
-      reason: REASONS[b[at + of('reason')]],
-      branch: b[at + of('branch')] !== 0,
-    }));
-    const points = u[field('points')];
-    const widths = u[field('widths')] >> 2;
-    let edge = 0;
-    const edges = rows('edge', 'edges', 'edge_count', (at, of) => {
-      const start = points + 12 * u[(at + of('path_start')) >> 2];
-      return {
-        from: u[(at + of('from')) >> 2],
-        to: u[(at + of('to')) >> 2],
-        length: f[(at + of('length')) >> 2],
-        width: f[widths + edge++],
-        loop: u[(at + of('loop')) >> 2] !== 0,
-        path: Array.from({length: u[(at + of('path_count')) >> 2]}, (_, i) => vector(start + 12 * i)),
-      };
+    // Rows that are there are filled anew: whoever hands in the last graph makes hardly any garbage.
+    const rows = (list, size, first, count, make, fill) => {
+      for (let i = 0; i < count; ++i) fill(i < list.length ? list[i] : (list[i] = make()), first + i * size, i);
+      list.length = count;
+    };
+    rows(into.nodes, inNode.size, u[field(view.nodes)], u[field(view.node_count)], () => ({
+      position: [0, 0, 0], distance: 0, prev: null, polygon: null, kind: KINDS[0], reason: null, branch: false,
+    }), (node, at) => {
+      vector(node.position, at + inNode.position);
+      node.distance = f[(at + inNode.distance) >> 2];
+      node.prev = number(at + inNode.prev);
+      node.polygon = number(at + inNode.polygon);
+      node.kind = KINDS[b[at + inNode.kind]];
+      node.reason = REASONS[b[at + inNode.reason]];
+      node.branch = b[at + inNode.branch] !== 0;
     });
-    const fronts = rows('front', 'fronts', 'front_count', (at, of) => ({
-      node: u[(at + of('node')) >> 2],
-      length: f[(at + of('length')) >> 2],
-      from: vector(at + of('from')),
-      to: vector(at + of('to')),
-    }));
-    const ways = rows('way', 'ways', 'way_count', (at, of) => ({
-      id: u[(at + of('id')) >> 2],
-      node: u[(at + of('node')) >> 2],
-      likelihood: f[(at + of('likelihood')) >> 2],
-      born: b[at + of('born')] !== 0,
-    }));
-    return {
-      horizon: f[field('horizon')], completeTo: f[field('complete_to')], nodes, edges, fronts, ways,
-      likelihoodNone: f[field('likelihood_none')],
-    };
+    const points = u[field(view.points)];
+    const widths = u[field(view.widths)] >> 2;
+    rows(into.edges, inEdge.size, u[field(view.edges)], u[field(view.edge_count)], () => ({
+      from: 0, to: 0, length: 0, width: 0, loop: false, path: [],
+    }), (edge, at, i) => {
+      edge.from = u[(at + inEdge.from) >> 2];
+      edge.to = u[(at + inEdge.to) >> 2];
+      edge.length = f[(at + inEdge.length) >> 2];
+      edge.width = f[widths + i];
+      edge.loop = u[(at + inEdge.loop) >> 2] !== 0;
+      rows(edge.path, 12, points + 12 * u[(at + inEdge.path_start) >> 2], u[(at + inEdge.path_count) >> 2],
+        () => [0, 0, 0], vector);
+    });
+    rows(into.fronts, inFront.size, u[field(view.fronts)], u[field(view.front_count)], () => ({
+      node: 0, length: 0, from: [0, 0, 0], to: [0, 0, 0],
+    }), (front, at) => {
+      front.node = u[(at + inFront.node) >> 2];
+      front.length = f[(at + inFront.length) >> 2];
+      vector(front.from, at + inFront.from);
+      vector(front.to, at + inFront.to);
+    });
+    rows(into.ways, inWay.size, u[field(view.ways)], u[field(view.way_count)], () => ({
+      id: 0, node: 0, likelihood: 0, born: false,
+    }), (way, at) => {
+      way.id = u[(at + inWay.id) >> 2];
+      way.node = u[(at + inWay.node) >> 2];
+      way.likelihood = f[(at + inWay.likelihood) >> 2];
+      way.born = b[at + inWay.born] !== 0;
+    });
+    into.horizon = f[field(view.horizon)];
+    into.completeTo = f[field(view.complete_to)];
+    into.likelihoodNone = f[field(view.likelihood_none)];
+    return into;
   }
 }
 

@@ -8,10 +8,12 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "navmesh/build/fwmesh.h"
 #include "service/daemon/replay.h"
 #include "tests/service/daemon_support.h"
 
@@ -185,6 +187,22 @@ TEST(Daemon, ServesHealthMetricsAndPages) {
     EXPECT_NE(metrics.find(std::string("\n") + line + "\n"), std::string::npos) << line << "\n"
                                                                                 << metrics;
   }
+}
+
+TEST(Daemon, ServesTheNavMeshThatSessionsWalkIn) {
+  const std::vector<std::byte> fwmesh =
+      navmesh::saveFwmesh(service::loadNavMesh(office().file).value());
+  daemon::DaemonSettings settings;
+  settings.fwmesh.assign(reinterpret_cast<const char*>(fwmesh.data()), fwmesh.size());
+  settings.access.token = "0123456789abcdef";
+  const auto daemon = startDaemon(settings);
+  const Headers token = {{"Authorization", "Bearer 0123456789abcdef"}};
+  const HttpAnswer answer = httpGet(daemon->port(), "/v1/navmesh", token);
+  EXPECT_EQ(answer.status, 200u);
+  EXPECT_EQ(daemon::hashOf(std::as_bytes(std::span(answer.body))), office().hash);
+  EXPECT_EQ(httpGet(daemon->port(), "/v1/navmesh", token, "HEAD").body, "");
+  EXPECT_EQ(httpGet(daemon->port(), "/v1/navmesh").status, 401u);
+  EXPECT_EQ(httpGet(startDaemon()->port(), "/v1/navmesh").status, 404u) << "of a daemon without";
 }
 
 TEST(Daemon, SaysPlainlyThatThereIsNoInspector) {

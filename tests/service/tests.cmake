@@ -125,6 +125,44 @@ if(NOT FOREWALK_SANITIZE)
     SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 300)
 endif()
 
+# The inspector in a browser, where the page has been built (./forewalk.sh inspector).
+add_executable(native_recording service/inspector/native_recording.cpp)
+target_link_libraries(native_recording PRIVATE session_recording service_core fmt::fmt project_options)
+target_compile_options(native_recording PRIVATE $<$<CONFIG:Release>:-O1>)
+target_compile_definitions(native_recording PRIVATE FOREWALK_ASSETS="${PROJECT_SOURCE_DIR}/assets")
+if(NOT FOREWALK_SANITIZE)
+  set(inspector_page ${PROJECT_SOURCE_DIR}/build/inspector/page)
+  function(forewalk_inspector_test name script)
+    add_test(NAME Inspector.${name}
+      COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/service/inspector/inspector.sh ${script} ${inspector_page} ${ARGN})
+    set_tests_properties(Inspector.${name} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 290)
+  endfunction()
+  set(inspector_out ${CMAKE_CURRENT_BINARY_DIR}/inspector)
+  add_dependencies(tests native_recording)
+  forewalk_inspector_test(ShowsRecordingsAsTheNativeLibraryPredicts recording.mjs
+    $<TARGET_FILE:native_recording> ${inspector_out}/recording $<TARGET_FILE:forewalk>)
+  forewalk_inspector_test(PlaysTenMinutesWithinAFrame speed.mjs $<TARGET_FILE:native_recording> ${inspector_out}/speed)
+  forewalk_inspector_test(WalksAtTheDaemonThroughItsEnd daemon.mjs $<TARGET_FILE:forewalk>
+    ${PROJECT_SOURCE_DIR}/assets/scenes/museum.obj ${inspector_out}/daemon)
+  forewalk_inspector_test(IsUsedByKeyboardAndReadInBothThemes keyboard.mjs)
+  forewalk_inspector_test(AgreesWithTheNativeLibrary agreement.mjs $<TARGET_FILE:native_walk> ${inspector_out}/agreement)
+  # What is measured is measured alone.
+  set_tests_properties(Inspector.PlaysTenMinutesWithinAFrame PROPERTIES RUN_SERIAL ON)
+endif()
+
+# Enter VR: its parts, and the page with an emulated headset (./forewalk.sh inspector builds it).
+if(NOT FOREWALK_SANITIZE)
+  foreach(named "WalkersKeepTheirLaws vr_walker.mjs" "RoomsAndPromptsKeepTheirLaws vr_room.mjs"
+                "WalksAHundredMetresInAHeadset vr.mjs")
+    separate_arguments(named)
+    list(GET named 0 name)
+    list(GET named 1 script)
+    add_test(NAME EnterVr.${name}
+      COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/service/inspector/vr.sh ${script} ${PROJECT_SOURCE_DIR}/build)
+    set_tests_properties(EnterVr.${name} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped" TIMEOUT 900)
+  endforeach()
+endif()
+
 find_program(TSC tsc)
 if(TSC)
   add_test(NAME Wasm.HasTheTypesThatItSays

@@ -48,6 +48,13 @@ for (const file of walks) {
   assert.ok(graph.nodes.every((node, i) => i === 0 ? node.prev === null : node.prev < graph.nodes.length));
   assert.ok(graph.edges.every((edge) => edge.path.length >= 2 && edge.path.flat().every(Number.isFinite)));
   assert.equal(graph.fronts.length > 0, head.method === 'front');
+  // Filled anew, whatever it held: shorter lists grow, longer ones shrink.
+  const other = structuredClone(graph);
+  other.nodes.push({...other.nodes[0]});
+  other.edges.length = 1;
+  other.edges[0].path.push([9, 9, 9]);
+  other.ways.push({id: 0, node: 0, likelihood: 0, born: false});
+  assert.deepEqual(session.graph(other), graph);
   session.release();
   assert.throws(() => session.graph(), ForewalkError);
 }
