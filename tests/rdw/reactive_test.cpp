@@ -247,11 +247,7 @@ TEST(Reactive, InjectsTheSameAtAnyFrameRate) {
 // With resets a walk is chaotic: a trigger seen a frame later is another walk. So the mean over
 // many: within 2 % where two standard errors of the difference do not say more.
 TEST(Reactive, IsStoppedAsOftenAtAnyFrameRate) {
-#ifdef NDEBUG
   constexpr int kSeeds = 12;
-#else
-  constexpr int kSeeds = 2;
-#endif
   for (const auto& [controller, reset] :
        {std::pair{"s2c", "two-one-turn"}, std::pair{"p2r", "r2g"}}) {
     const auto resetsAt = [&](double rate) {
