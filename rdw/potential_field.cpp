@@ -19,6 +19,10 @@ glm::dvec2 push(glm::dvec2 point, glm::dvec2 from) {
 
 }  // namespace
 
+glm::dvec2 wayBackIn(const TrackedSpace& space, glm::dvec2 point) {
+  return space.nearestBorder(point).inward / (kNearest * kNearest);
+}
+
 glm::dvec2 nearestOnEdge(glm::dvec2 a, glm::dvec2 b, glm::dvec2 point) {
   const glm::dvec2 ab = b - a;
   return a + std::clamp(glm::dot(point - a, ab) / glm::dot(ab, ab), 0.0, 1.0) * ab;
@@ -26,6 +30,7 @@ glm::dvec2 nearestOnEdge(glm::dvec2 a, glm::dvec2 b, glm::dvec2 point) {
 
 glm::dvec2 repulsion(const TrackedSpace& space, std::span<const OtherUser> others,
                      glm::dvec2 point) {
+  if (!space.contains(point)) return wayBackIn(space, point);
   glm::dvec2 sum(0.0);
   for (std::size_t r = 0; r < space.ringCount(); ++r) {
     const std::span<const glm::dvec2> ring = space.ring(r);

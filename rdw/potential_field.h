@@ -15,9 +15,14 @@
 namespace forewalk::rdw {
 
 /// -grad U at `point`, plan: sum of (x - x_o) / |x - x_o|^3, 1/m^2. Points nearer than a
-/// centimetre push as from there. O(corners + others).
+/// centimetre push as from there. Outside the free floor: wayBackIn(). O(corners + others).
 glm::dvec2 repulsion(const TrackedSpace& space, std::span<const OtherUser> others,
                      glm::dvec2 point);
+
+/// What pushes somebody who has got outside the free floor: toward the nearest border, as hard as
+/// it pushes whoever stands at it, 1/m^2. The sum over what lies around would drive them further
+/// away: there every border but the nearest pushes outward. O(corners).
+glm::dvec2 wayBackIn(const TrackedSpace& space, glm::dvec2 point);
 
 /// The point of segment ab that is nearest to `point`.
 glm::dvec2 nearestOnEdge(glm::dvec2 a, glm::dvec2 b, glm::dvec2 point);

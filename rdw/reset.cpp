@@ -25,16 +25,55 @@ double remainingOf(const ResetPlan& plan, const ResetState& state) {
   return left ? plan.left - state.progress : plan.right + state.progress;
 }
 
-/// The plan, or the freest way where it would end facing a border or somebody. Turns either way
-/// are what they are.
-ResetPlan passable(const ResetPlan& plan, const SteerInput& input, double needed) {
-  if (plan.back > 0.0 || (std::isfinite(plan.left) && std::isfinite(plan.right))) return plan;
-  const glm::dvec2 position = input.physical.position;
-  if (!input.space.contains(position)) return plan;
+/// Whether the head has moved faster in this frame than those who stand move theirs.
+bool isStep(const Motion& motion) {
+  constexpr double kSlowest = 0.1;  // m/s
+  return motion.usable() && motion.distance > kSlowest * motion.dt;
+}
+
+/// Where somebody who went along `ahead` goes after `plan`.
+glm::dvec2 facedBy(const ResetPlan& plan, glm::dvec2 ahead) {
+  return rotated(ahead, std::isfinite(plan.left) ? plan.left : -plan.right);
+}
+
+/// The turn that ends facing `direction` and is seen, or not, as that of `plan` is.
+ResetPlan facing(glm::dvec2 direction, const ResetPlan& plan, const SteerInput& input) {
+  const ResetPlan turn = turnTo(aheadOf(input), direction);
+  if (plan.seen != 0.0) return turn;
+  // Of a turn that is not seen either way round is as good.
+  const double shorter = 2.0 * kPi - std::min(turn.left, turn.right);
+  ResetPlan frozen = plan;
+  frozen.left = std::isfinite(turn.left) ? turn.left : shorter;
+  frozen.right = std::isfinite(turn.right) ? turn.right : shorter;
+  return frozen;
+}
+
+/// The plan, of somebody outside the floor, or the shortest way back in where it would not end
+/// facing that: as good as across the border.
+ResetPlan backIn(const ResetPlan& plan, const SteerInput& input, double needed) {
+  constexpr double kAcross = 0.5;  // cosine of what counts as across the border
+  const auto border = input.space.nearestBorder(input.physical.position);
   const glm::dvec2 ahead = aheadOf(input);
-  const glm::dvec2 faced = rotated(ahead, std::isfinite(plan.left) ? plan.left : -plan.right);
-  if (freeAlong(input.space, input.others, position, faced) >= needed) return plan;
-  return turnTo(ahead, freestDirection(input.space, input.others, position, -ahead, kFaceSteps));
+  const auto leadsIn = [&](glm::dvec2 direction) {
+    return glm::dot(direction, border.inward) >= kAcross &&
+           freeAlong(input.space, input.others, border.position, direction) >= needed;
+  };
+  if (leadsIn(facedBy(plan, ahead))) return plan;
+  if (leadsIn(border.inward)) return facing(border.inward, plan, input);
+  // Beyond a corner the floor may lie aside: to a point of it, then.
+  const glm::dvec2 freest =
+      freestDirection(input.space, input.others, border.position, border.inward, kFaceSteps);
+  const glm::dvec2 floor = border.position + 0.5 * needed * freest;
+  return facing(glm::normalize(floor - input.physical.position), plan, input);
+}
+
+/// The plan, or the freest way where it would end facing a border or somebody.
+ResetPlan passable(const ResetPlan& plan, const SteerInput& input, double needed) {
+  const glm::dvec2 position = input.physical.position;
+  const glm::dvec2 ahead = aheadOf(input);
+  if (freeAlong(input.space, input.others, position, facedBy(plan, ahead)) >= needed) return plan;
+  return facing(freestDirection(input.space, input.others, position, -ahead, kFaceSteps), plan,
+                input);
 }
 
 }  // namespace
@@ -68,13 +107,8 @@ double Reset::stoppingDistance(double speed) const {
 // step itself is looked at. Further off the smoothed speed does, and is not misled by a head that
 // sways.
 bool Reset::setsOffTowardBorder(const Around& around) const {
-  constexpr double kSlowest = 0.1;  // m/s; slower steps are those of standing
-  // A corner can leave no way out but along a wall: nobody is turned back and forth there for ever.
-  constexpr int kMostInARow = 3;
   const Motion& motion = around.motion;
-  if (resetsSinceWalk_ >= kMostInARow || !motion.usable() ||
-      !(motion.distance > kSlowest * motion.dt))
-    return false;
+  if (!isStep(motion)) return false;
   const double free =
       freeAlong(around.space, around.others, around.physical, motion.step / motion.distance);
   return free <= settings_.clearance + motion.distance;
@@ -110,8 +144,14 @@ bool Reset::mustStop(const Around& around, Step& step) const {
   const glm::dvec2 physical = around.physical;
   if (!around.space.contains(physical)) {
     step.flags |= kOutsideSpace;
-    const glm::dvec2 inward = around.space.nearestBorder(physical).inward;
-    return motion.walking && glm::dot(motion.walkingDirection, inward) <= 0.0;
+    // Of somebody who does not walk yet the step counts: by the time that they walk they would be a
+    // foot further out.
+    const glm::dvec2 way = motion.walking   ? motion.walkingDirection
+                           : isStep(motion) ? motion.step / motion.distance
+                                            : glm::dvec2(0.0);
+    if (way == glm::dvec2(0.0)) return false;
+    const TrackedSpace::BorderPoint border = around.space.nearestBorder(physical);
+    return glm::dot(way, border.inward) <= 0.0;
   }
   if (settings_.trigger == ResetTrigger::kBorder) return isAtBorder(around);
   if (!motion.walking) return setsOffTowardBorder(around);
@@ -129,6 +169,30 @@ bool Reset::mustStop(const Around& around, Step& step) const {
   return free <= stop;
 }
 
+// Enough to set off and to be stopped again, at a walk.
+double Reset::worthSettingOff(double speed) const {
+  return settings_.clearance + stoppingDistance(std::max(1.0, speed));
+}
+
+// Half of it is walked before they are stopped again.
+bool Reset::hasWayAhead(const Around& around) const {
+  return freeAlong(around.space, around.others, around.physical, around.motion.walkingDirection) >=
+         2.0 * stoppingDistance(std::max(1.0, around.motion.speed));
+}
+
+// A turn either way sends the body back along its own line, however short that is: that is what
+// such a reset is. But nobody is sent to and fro on the spot.
+ResetPlan Reset::mended(const ResetPlan& plan, const SteerInput& input) const {
+  constexpr int kToAndFro = 2;  // resets in a row
+  if (plan.back > 0.0) return plan;
+  const double needed = worthSettingOff(input.motion.speed);
+  if (!input.space.contains(input.physical.position)) return backIn(plan, input, needed);
+  const bool eitherWay = std::isfinite(plan.left) && std::isfinite(plan.right);
+  if (eitherWay && (settings_.trigger == ResetTrigger::kBorder || resetsInARow_ < kToAndFro))
+    return plan;
+  return passable(plan, input, needed);
+}
+
 bool Reset::waitsFor(const Around& around, Step& step) {
   const bool stop = mustStop(around, step);
   if (state_.turning) return false;
@@ -140,7 +204,7 @@ bool Reset::waitsFor(const Around& around, Step& step) {
       return false;
     backward_ = kNoHeading;
   }
-  if (around.motion.walking) resetsSinceWalk_ = 0;
+  if (resetsInARow_ > 0 && around.motion.walking && hasWayAhead(around)) resetsInARow_ = 0;
   state_ = ResetState{};
   if (stop && around.motion.usable()) return true;
   if ((step.flags & kOutsideSpace) != 0) state_.instruction = ResetInstruction::kWalkBack;
@@ -173,16 +237,24 @@ void Reset::begin(const ResetPlan& plan, const Motion& motion) {
     backward_ = headingOf(-motion.step / motion.distance);
   }
   ++count_;
-  ++resetsSinceWalk_;
+  ++resetsInARow_;
 }
 
-void Reset::carryOn(const Motion& motion, Step& step) {
+void Reset::carryOn(const Around& around, Step& step) {
+  const Motion& motion = around.motion;
   step.frozen = plan_.frozen;
   if (!motion.usable()) return;  // heads that jumped or times that stood still turn nothing
   if (state_.back > 0.0) {
     step.yaw = -motion.turn;
     const glm::dvec2 stepBack = std::isnan(backward_) ? glm::dvec2(0.0) : directionOf(backward_);
-    state_.back = std::max(0.0, state_.back - glm::dot(motion.step, stepBack));
+    const double stepped = glm::dot(motion.step, stepBack);
+    state_.back = std::max(0.0, state_.back - stepped);
+    if (stepped > 0.0) {
+      // Nobody steps back in a straight line, and somebody may have come up behind.
+      const double free =
+          freeAlong(around.space, around.others, around.physical, motion.step / motion.distance);
+      state_.back = std::min(state_.back, std::max(0.0, free - settings_.clearance));
+    }
     if (state_.back > 0.0) return;
     if (plan_.left > 0.0 && plan_.right > 0.0) {
       state_.instruction = turnOf(state_.wanted);
@@ -218,12 +290,10 @@ Reset::Step Reset::frame(const SteerInput& input, ResetPolicy& policy) {
   const Around around{input.motion, input.physical.position, input.space, input.others};
   const bool turning = state_.turning;
   if (waitsFor(around, step)) {
-    // Enough to set off and to be stopped again, at a walk.
-    const double needed = settings_.clearance + stoppingDistance(std::max(1.0, input.motion.speed));
-    begin(passable(policy.plan(input), input, needed), input.motion);
+    begin(mended(policy.plan(input), input), input.motion);
     step.began = true;
   } else if (turning) {
-    carryOn(input.motion, step);
+    carryOn(around, step);
   }
   return step;
 }
@@ -231,11 +301,12 @@ Reset::Step Reset::frame(const SteerInput& input, ResetPolicy& policy) {
 Reset::Step Reset::frame(const Motion& motion, glm::dvec2 physical, const TrackedSpace& space) {
   Step step;
   const bool turning = state_.turning;
-  if (waitsFor({motion, physical, space, {}}, step)) {
+  const Around around{motion, physical, space, {}};
+  if (waitsFor(around, step)) {
     begin(ResetPlan{}, motion);
     step.began = true;
   } else if (turning) {
-    carryOn(motion, step);
+    carryOn(around, step);
   }
   return step;
 }

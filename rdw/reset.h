@@ -81,8 +81,9 @@ class Reset {
   ///   the side does not count: somebody beside a wall who walks along it would be turned back and
   ///   forth in a corner for ever;
   /// - inside, not walking yet: a step faster than 0.1 m/s leads along less than clearance of free
-  ///   floor. At most twice before the user has walked again after a reset;
-  /// - outside: the walk does not lead back. Walking back in from outside is let be.
+  ///   floor;
+  /// - outside: the walk, or of somebody not walking yet the step, does not lead back. Walking back
+  ///   in from outside is let be.
   /// Other users are obstacles that come closer while one stops.
   /// Somebody near a border who stands, or walks away from it or along it, is let be.
   ///
@@ -92,8 +93,14 @@ class Reset {
   /// there counts: the world has then been turned by exactly the plan's angle. Steps walked while
   /// turning are passed on unscaled, but for frozen resets. O(corners + others), allocates nothing.
   ///
-  /// A plan whose end would face a way of less than twice the clearance is changed: the user faces
-  /// the freest of 36 directions, so that resets cannot follow each other on the spot for ever.
+  /// Some plans are changed, so that resets cannot follow each other on the spot for ever:
+  /// - one whose end would face a way too short to set off on at a walk and to be stopped again: the
+  ///   user faces the freest of 36 directions;
+  /// - a turn either way by the third reset in a row without a way ahead (twice that of stopping at
+  ///   a walk): likewise. Not with ResetTrigger::kBorder, which does as the toolkits;
+  /// - outside, where it would not end facing the floor: the user faces the nearest border, or the
+  ///   freest way from there.
+  /// Stepping back ends where less than the clearance is free behind.
   Step frame(const SteerInput& input, ResetPolicy& policy);
 
   /// The same alone, with the 2:1 turn.
@@ -109,15 +116,15 @@ class Reset {
     double backward = std::numeric_limits<double>::quiet_NaN();  ///< heading of stepping back,
                                                                  ///< physical radians; NaN: none
     std::uint64_t count = 0;
-    int sinceWalk = 0;  ///< resets begun since the user last walked
+    int inARow = 0;  ///< resets begun since the user last walked with a way ahead of them
   };
-  Memory memory() const { return {state_, plan_, backward_, count_, resetsSinceWalk_}; }
+  Memory memory() const { return {state_, plan_, backward_, count_, resetsInARow_}; }
   void resume(const Memory& memory) {
     state_ = memory.state;
     plan_ = memory.plan;
     backward_ = memory.backward;
     count_ = memory.count;
-    resetsSinceWalk_ = memory.sinceWalk;
+    resetsInARow_ = memory.inARow;
   }
 
   /// What state() is while a reset goes by `plan`, `progress` radians turned (left positive) and
@@ -140,14 +147,17 @@ class Reset {
   bool setsOffTowardBorder(const Around& around) const;
   bool waitsFor(const Around& around, Step& step);  // whether a reset begins
   void begin(const ResetPlan& plan, const Motion& motion);
-  void carryOn(const Motion& motion, Step& step);
+  void carryOn(const Around& around, Step& step);
+  double worthSettingOff(double speed) const;  // metres
+  bool hasWayAhead(const Around& around) const;
+  ResetPlan mended(const ResetPlan& plan, const SteerInput& input) const;
 
   ResetSettings settings_;
   ResetState state_;
   ResetPlan plan_;
   double backward_ = std::numeric_limits<double>::quiet_NaN();  // heading of stepping back, or NaN
   std::uint64_t count_ = 0;
-  int resetsSinceWalk_ = 0;  ///< begun since the user last walked
+  int resetsInARow_ = 0;  ///< begun since the user last walked with a way ahead of them
 };
 
 }  // namespace forewalk::rdw

@@ -67,6 +67,7 @@ Session::Session(std::shared_ptr<const navmesh::World> world, SessionSettings se
       policy_(std::move(policy)),
       tracker_(settings_.motion),
       reset_(settings_.reset),
+      hold_(settings_.sideHold),
       chest_(std::numeric_limits<double>::quiet_NaN()),
       gaze_(chest_) {
   others_.reserve(kMostOthers);
@@ -124,6 +125,11 @@ tl::expected<Session, Error> Session::make(std::shared_ptr<const navmesh::World>
                     "m, warning {} s) must not be "
                     "negative, and the deceleration must be above 0.",
                     reset.reactionTime, reset.deceleration, reset.clearance, reset.warningTime));
+  }
+  if (!(settings.sideHold >= 0.0)) {
+    return outOfRange(fmt::format(
+        "session: {} s between changes of the steering's side cannot work: give 0 or more.",
+        settings.sideHold));
   }
   if (!(settings.front.persistence >= 0.0f && settings.front.persistence <= kLongestPersistence)) {
     return outOfRange(fmt::format(
@@ -397,7 +403,7 @@ const FrameResult& Session::steer() {
                           : redirector_.turnWorld(physical_, step.yaw);
   } else {
     if (motion.usable()) {
-      result_.gains = hold_.held(controller_->steer(input), motion.dt, motion.distance);
+      result_.gains = hold_.held(controller_->steer(input), motion);
     } else if ((motion.flags & kTimeStoodStill) == 0) {
       controller_->restart();
     }

@@ -76,6 +76,10 @@ struct SessionSettings {
   MotionSettings motion;
   HeadingSource heading = HeadingSource::kHead;
 
+  /// The side of steering changes at most this often, seconds, >= 0 (steering_hold.h). 0: as often
+  /// as the controller likes, as in the toolkits; to compare with published simulations.
+  double sideHold = SteeringHold::kSeconds;
+
   /// A thing that is to be reached in both spaces at once (controller `haptics`).
   std::optional<HapticTarget> haptic;
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rdw/other_user.h"
+#include "rdw/potential_field.h"
 #include "rdw/tracked_space.h"
 
 namespace forewalk::rdw {
@@ -34,8 +35,9 @@ class BorderForce {
     }
   }
 
-  /// O(segments).
-  glm::dvec2 at(glm::dvec2 point) const {
+  /// In the `space` of prepare(); outside it: wayBackIn() of potential_field.h. O(segments).
+  glm::dvec2 at(glm::dvec2 point, const TrackedSpace& space) const {
+    if (!space.contains(point)) return wayBackIn(space, point);
     glm::dvec2 sum(0.0);
     for (const Segment& segment : segments_) {
       const glm::dvec2 d = point - segment.middle;

@@ -55,7 +55,8 @@ class DynamicApf final : public Controller {
   Gains steer(const SteerInput& input) override {
     const glm::dvec2 position = input.physical.position;
     const glm::dvec2 facing = directionOf(input.physical.heading);
-    glm::dvec2 force = border_.at(position);
+    const glm::dvec2 border = border_.at(position, input.space);
+    glm::dvec2 force = border;
     for (const OtherUser& other : input.others) {
       const double weight = mutualSight(position, facing, other);
       force += weight * push(position - other.position);
@@ -67,8 +68,7 @@ class DynamicApf final : public Controller {
     }
     const glm::dvec2 to = mostOpen(input.others) - position;
     const double distance = glm::length(to);
-    if (distance > 1e-6)
-      force += glm::length(border_.at(position)) / (1.0 + distance) * to / distance;
+    if (distance > 1e-6) force += glm::length(border) / (1.0 + distance) * to / distance;
     return follow_.toward(force, input);
   }
   void restart() override { follow_.restart(); }

@@ -24,7 +24,7 @@ class Messinger final : public Controller {
   Gains steer(const SteerInput& input) override {
     const glm::dvec2 position = input.physical.position;
     const glm::dvec2 facing = directionOf(input.physical.heading);
-    glm::dvec2 force = border_.at(position);
+    glm::dvec2 force = border_.at(position, input.space);
     for (const OtherUser& other : input.others) {
       const glm::dvec2 d = position - other.position;
       const double distance = std::max(glm::length(d), 0.01);

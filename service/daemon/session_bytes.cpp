@@ -25,7 +25,7 @@ struct Layout {
   std::uint8_t bits;
   std::int8_t direction;
   std::uint8_t instruction;
-  std::uint8_t resetsSinceWalk;
+  std::uint8_t resetsInARow;
   std::int8_t turnsSeen;  // whole turns that the reset under way shows
   std::uint16_t reserved;
   std::uint8_t navMesh[8];
@@ -59,7 +59,7 @@ Layout layoutOf(const TokenState& token, const NavMeshHash& navMesh) {
       (state.reset.plan.frozen ? kFrozen : 0) | (stepsBack ? kStepsBack : 0));
   out.direction = static_cast<std::int8_t>(reset.direction);
   out.instruction = static_cast<std::uint8_t>(reset.instruction);
-  out.resetsSinceWalk = static_cast<std::uint8_t>(std::min(state.reset.sinceWalk, 255));
+  out.resetsInARow = static_cast<std::uint8_t>(std::min(state.reset.inARow, 255));
   out.turnsSeen = static_cast<std::int8_t>(std::lround(plan.seen / (2.0 * rdw::kPi)));
   std::memcpy(out.navMesh, navMesh.data(), navMesh.size());
   out.sessionId = token.sessionId;
@@ -121,7 +121,7 @@ TokenState tokenOf(const Layout& in) {
   reset.direction = in.direction;
   reset.instruction = static_cast<rdw::ResetInstruction>(in.instruction);
   state.reset.count = in.resetCount;
-  state.reset.sinceWalk = static_cast<int>(in.resetsSinceWalk);
+  state.reset.inARow = static_cast<int>(in.resetsInARow);
   return token;
 }
 

@@ -33,10 +33,10 @@ std::uint64_t hashOfWalk(const char* controller) {
 
 TEST(GoldenTrace, IsTheSameInEveryBuild) {
   EXPECT_EQ(hashOfWalk("none"), 11332546222905096536ull);
-  EXPECT_EQ(hashOfWalk("s2c"), 4289854014188514151ull);
-  EXPECT_EQ(hashOfWalk("s2o"), 6923146884181176078ull);
-  EXPECT_EQ(hashOfWalk("s2c-predictive"), 6649144066352353728ull);
-  EXPECT_EQ(hashOfWalk("s2o-predictive"), 4784369677777066830ull);
+  EXPECT_EQ(hashOfWalk("s2c"), 5946164699690755565ull);
+  EXPECT_EQ(hashOfWalk("s2o"), 1979946097277795632ull);
+  EXPECT_EQ(hashOfWalk("s2c-predictive"), 10570968401607229467ull);
+  EXPECT_EQ(hashOfWalk("s2o-predictive"), 9780174019212150488ull);
 }
 
 }  // namespace

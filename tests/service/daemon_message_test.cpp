@@ -300,7 +300,7 @@ TokenState anyState(std::mt19937_64& random) {
   state.reset.state.direction = static_cast<int>(random() % 3) - 1;
   state.reset.state.instruction = static_cast<rdw::ResetInstruction>(random() % 7);
   state.reset.count = static_cast<std::uint32_t>(random());
-  state.reset.sinceWalk = static_cast<int>(random() % 4);
+  state.reset.inARow = static_cast<int>(random() % 4);
   return token;
 }
 
@@ -325,7 +325,7 @@ TEST(StateToken, HoldsTheWholeState) {
     EXPECT_EQ(opened->state.motion.started, state.state.motion.started);
     EXPECT_EQ(opened->state.motion.walking, state.state.motion.walking);
     EXPECT_EQ(opened->state.reset.count, state.state.reset.count);
-    EXPECT_EQ(opened->state.reset.sinceWalk, state.state.reset.sinceWalk);
+    EXPECT_EQ(opened->state.reset.inARow, state.state.reset.inARow);
     EXPECT_EQ(opened->state.reset.state.turning, state.state.reset.state.turning);
     EXPECT_EQ(opened->state.reset.state.direction, state.state.reset.state.direction);
     EXPECT_EQ(opened->state.reset.state.remaining, state.state.reset.state.remaining);
