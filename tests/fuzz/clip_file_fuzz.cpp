@@ -1,21 +1,11 @@
 // The reader of motion clips on any bytes; what it accepts can be blended.
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <string_view>
 
 #include "service/clip_file.h"
 #include "tests/fuzz/fuzz.h"
 
-namespace {
-
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
-
-}  // namespace
+using forewalk::testing::require;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto clips =

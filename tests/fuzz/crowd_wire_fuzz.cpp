@@ -1,8 +1,6 @@
 // The messages of a networked crowd from any bytes; what is accepted is written back as it came,
 // and neither a client nor a server is harmed by it.
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
 #include "agents/published_scenes.h"
@@ -13,11 +11,7 @@ namespace {
 
 using namespace forewalk;
 
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
+using forewalk::testing::require;
 
 void requireFinite(const agents::Crowd& crowd) {
   for (const glm::vec2 at : crowd.view().position) {

@@ -3,8 +3,6 @@
 // Whatever is accepted is written again as the same, a token that was not signed is never opened,
 // and a session takes any frame that was read.
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -22,11 +20,7 @@ namespace {
 
 using namespace forewalk;
 
-void require(bool promise, const char* what) {
-  if (promise) return;
-  std::fprintf(stderr, "broken promise: %s\n", what);
-  std::abort();
-}
+using forewalk::testing::require;
 
 constexpr std::string_view kKey = "0123456789abcdef0123456789abcdef";
 constexpr daemon::NavMeshHash kNavMesh{1, 2, 3, 4, 5, 6, 7, 8};
