@@ -167,6 +167,40 @@ TEST_F(ExperimentTest, WalksEveryPathOfTheToolkits) {
   }
 }
 
+TEST_F(ExperimentTest, AControllerMayBringItsResetAlong) {
+  const std::string rest = R"("walk": {"stop": {"virtual_m": 60}, "rate_hz": 30},
+    "users": [{"name": "legs", "kind": "legs"}], "seeds": 2,
+    "rooms": [{"name": "4 m", "rectangle": [4, 4]}], )";
+  const auto pairs = loaded(rest + R"("controllers": [
+      {"name": "s2c, 2:1", "controller": "s2c", "reset": "two-one-turn"},
+      {"name": "p2r, r2g", "controller": "p2r", "reset": "r2g"}])");
+  ASSERT_TRUE(pairs) << pairs.error().message;
+  EXPECT_EQ(carriedOut(*pairs, "pairs").failed, 0u);
+  const auto product =
+      loaded(rest + R"("controllers": ["s2c", "p2r"], "resets": ["two-one-turn", "r2g"])");
+  ASSERT_TRUE(product) << product.error().message;
+  carriedOut(*product, "product");
+  const auto together = readResults(folder_ / "pairs"), apart = readResults(folder_ / "product");
+  ASSERT_TRUE(together && apart);
+  ASSERT_EQ(together->rows.size(), 4u);
+  ASSERT_EQ(apart->rows.size(), 8u);
+  // Each pair's walks are those of the product that have both.
+  const auto walked = [](const Row& row) {
+    return std::vector{row[Metric::kResets], row[Metric::kPhysicalMetres], row[Metric::kSeconds]};
+  };
+  for (const Row& row : together->rows) {
+    EXPECT_EQ(1, std::count_if(apart->rows.begin(), apart->rows.end(),
+                               [&](const Row& other) { return walked(other) == walked(row); }))
+        << row.run;
+  }
+  EXPECT_THAT(text("pairs/results.csv"), HasSubstr("\"p2r, r2g\""));
+
+  const auto refused = loaded(rest + R"("controllers": [{"name": "x", "controller": "s2c",
+                                                         "rest": "r2g"}])");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("did you mean \"reset\"?"));
+}
+
 TEST_F(ExperimentTest, MeasuresPredictionsWhereTheyAreLookedAt) {
   const char* plan = R"(
     "walk": {"limits": "laboratory", "stop": {"virtual_m": 60}, "rate_hz": 30, "horizon_m": 6},
