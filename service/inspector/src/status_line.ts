@@ -24,7 +24,7 @@ export class StatusLine {
     this.put('resets-per', metres >= 5 ? (100 * resets / metres).toFixed(1) : '–');
     this.put('translation', walk.translation[frame].toFixed(3));
     this.put('rotation', walk.rotation[frame].toFixed(3));
-    this.put('curvature', `${fixed(walk.curvature[frame], 3)} /m`);
+    this.put('curvature', `${fixed(walk.curvature[frame], 3)}/m`);
     const border = walk.border[frame];
     this.put('border', Number.isFinite(border) ? `${fixed(border, 2)} m` : '–', border < 0.5);
     this.put('nodes', graph ? `${graph.nodes.length} nodes` : '–');
