@@ -35,6 +35,10 @@ export type Part = 'floor' | 'wall' | 'furniture';
 
 // The polygons lie a little over the floor, so that neither shows through the other, metres.
 const LIFT = 0.02;
+// Light from above and below, and from a sun that tells the walls' sides apart.
+const DAYLIGHT = 2.2;
+const SUN = 1.3;
+const SUN_FROM = new Vector3(-0.5, 1, 0.3).normalize();
 // What stands for walls where only the navmesh is known, metres.
 const CURB = 0.12;
 
@@ -45,9 +49,17 @@ export function partOf(group: string): Part {
   return 'furniture';
 }
 
+/**
+ * How walls are lit: by the lights of the scene they are in, or with `makeLights`' light painted on, which costs less for
+ * every pixel.
+ */
+export type Lighting = 'lights' | 'painted';
+
 export class BuildingModel extends Group {
   private readonly plane = new Plane(new Vector3(0, -1, 0), Infinity);
-  private readonly lambert: Record<Part, MeshLambertMaterial>;
+  private readonly surfaces: Record<Part, MeshLambertMaterial | MeshBasicMaterial>;
+  /** Whether floors lie above floors, which a cut has to take away. */
+  private readonly storeys: boolean;
   private readonly cutFaces: MeshBasicMaterial;
   private readonly walkableMaterial: MeshBasicMaterial;
   private readonly portalMaterial: LineBasicMaterial;
@@ -58,28 +70,30 @@ export class BuildingModel extends Group {
   /** For each triangle of `walkable`, its polygon. */
   readonly polygonOfTriangle: Uint32Array;
 
-  constructor(building: Building, polygons: readonly Polygon[], theme: BuildingTheme) {
+  constructor(building: Building, polygons: readonly Polygon[], theme: BuildingTheme, lighting: Lighting) {
     super();
     this.name = building.id;
-    const lambert = () => new MeshLambertMaterial({side: FrontSide});
-    this.lambert = {floor: lambert(), wall: lambert(), furniture: lambert()};
+    const material = () => lighting === 'lights' ? new MeshLambertMaterial({side: FrontSide})
+      : new MeshBasicMaterial({side: FrontSide, vertexColors: true});
+    this.surfaces = {floor: material(), wall: material(), furniture: material()};
+    this.storeys = areStoreys(polygons);
     // A floor without thickness is seen from below as well, from a storey beneath.
-    this.lambert.floor.side = DoubleSide;
+    if (this.storeys) this.surfaces.floor.side = DoubleSide;
     this.cutFaces = new MeshBasicMaterial({side: BackSide});
-    this.walkableMaterial = new MeshBasicMaterial({
-      transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1,
-    });
+    this.walkableMaterial = new MeshBasicMaterial();
     this.portalMaterial = new LineBasicMaterial({transparent: true, opacity: 0.55});
     this.borderMaterial = new LineBasicMaterial();
 
     for (const [part, geometry] of parts(building, polygons)) {
-      const mesh = new Mesh(geometry, this.lambert[part]);
+      const mesh = new Mesh(geometry, this.surfaces[part]);
       mesh.name = part;
+      mesh.renderOrder = part === 'floor' ? 0 : -2;  // what hides others first
       this.add(mesh);
       if (part === 'floor') continue;
       const cap = new Mesh(geometry, this.cutFaces);
       cap.name = `${part} cut`;
       cap.visible = false;
+      cap.renderOrder = -2;
       this.capped.push(cap);
       this.add(cap);
     }
@@ -91,10 +105,16 @@ export class BuildingModel extends Group {
   }
 
   setTheme(theme: BuildingTheme): void {
-    for (const part of ['floor', 'wall', 'furniture'] as const) this.lambert[part].color.set(theme[part]);
+    for (const part of ['floor', 'wall', 'furniture'] as const) this.surfaces[part].color.set(theme[part]);
+    for (const child of this.children) {
+      if (child instanceof Mesh && Object.values<Material>(this.surfaces).includes(child.material as Material) &&
+        child.material instanceof MeshBasicMaterial) paint(child.geometry as BufferGeometry, theme);
+    }
     this.cutFaces.color.set(theme.cut);
-    this.walkableMaterial.color.set(theme.walkable);
-    this.walkableMaterial.opacity = theme.walkableOpacity;
+    // Laid over the floor as one opaque colour: nothing is drawn twice.
+    const lit = new Color(theme.floor).multiply(lightOn(0, 1, 0, theme, new Color())).convertLinearToSRGB();
+    const tint = new Color(theme.walkable).convertLinearToSRGB();
+    this.walkableMaterial.color.copy(lit.lerp(tint, theme.walkableOpacity).convertSRGBToLinear());
     this.portalMaterial.color.set(theme.portal);
     this.borderMaterial.color.set(theme.border);
   }
@@ -108,7 +128,7 @@ export class BuildingModel extends Group {
     if (height !== null) this.plane.constant = height;
     for (const cap of this.capped) cap.visible = height !== null;
     if (this.cutFaces.clippingPlanes === planes || (planes && this.cutFaces.clippingPlanes)) return;
-    for (const material of this.materials()) {
+    for (const material of this.cutMaterials()) {
       material.clippingPlanes = planes;
       material.needsUpdate = true;
     }
@@ -129,8 +149,12 @@ export class BuildingModel extends Group {
     for (const material of this.materials()) material.dispose();
   }
 
+  private cutMaterials(): Material[] {
+    return this.storeys ? this.materials() : [this.surfaces.wall, this.surfaces.furniture, this.cutFaces];
+  }
+
   private materials(): Material[] {
-    return [...Object.values(this.lambert), this.cutFaces, this.walkableMaterial, this.portalMaterial,
+    return [...Object.values(this.surfaces), this.cutFaces, this.walkableMaterial, this.portalMaterial,
       this.borderMaterial];
   }
 }
@@ -139,18 +163,44 @@ export class BuildingModel extends Group {
  * The model of a building whose navmesh has these polygons (`navmesh.polygons()`). World axes, metres. A building
  * whose scene is not known gets curbs where its walkable ground ends. Some ten milliseconds for the bundled ones.
  */
-export function makeBuildingModel(building: Building, polygons: readonly Polygon[],
-                                  theme: BuildingTheme): BuildingModel {
-  return new BuildingModel(building, polygons, theme);
+export function makeBuildingModel(building: Building, polygons: readonly Polygon[], theme: BuildingTheme,
+                                  lighting: Lighting = 'lights'): BuildingModel {
+  return new BuildingModel(building, polygons, theme, lighting);
 }
 
-/** Light to see it in: soft from above, and a sun that tells the walls' sides apart. */
+/** Light to see it in, for `lighting` 'lights', and for what else is in the scene. */
 export function makeLights(theme: BuildingTheme): Group {
   const lights = new Group();
-  const sun = new DirectionalLight(new Color('#ffffff'), 1.3);
-  sun.position.set(-0.5, 1, 0.3);
-  lights.add(new HemisphereLight(new Color(theme.sky), new Color(theme.ground), 2.2), sun);
+  const sun = new DirectionalLight(new Color('#ffffff'), SUN);
+  sun.position.copy(SUN_FROM);
+  lights.add(new HemisphereLight(new Color(theme.sky), new Color(theme.ground), DAYLIGHT), sun);
   return lights;
+}
+
+/** What of it falls on a side with this normal, as three's Lambert material has it. */
+function lightOn(x: number, y: number, z: number, theme: BuildingTheme, light: Color): Color {
+  const sun = SUN * Math.max(0, x * SUN_FROM.x + y * SUN_FROM.y + z * SUN_FROM.z);
+  light.set(theme.ground).lerp(new Color(theme.sky), 0.5 * y + 0.5).multiplyScalar(DAYLIGHT);
+  return light.setRGB(light.r + sun, light.g + sun, light.b + sun).multiplyScalar(1 / Math.PI);
+}
+
+/** Paints that light on a geometry's corners. */
+function paint(geometry: BufferGeometry, theme: BuildingTheme): void {
+  const normals = geometry.getAttribute('normal');
+  const colors = new Float32Array(3 * normals.count);
+  const light = new Color();
+  for (let i = 0; i < normals.count; ++i) {
+    lightOn(normals.getX(i), normals.getY(i), normals.getZ(i), theme, light).toArray(colors, 3 * i);
+  }
+  geometry.setAttribute('color', new BufferAttribute(colors, 3));
+}
+
+/** Whether one polygon's floor lies more than a person above another's. */
+function areStoreys(polygons: readonly Polygon[]): boolean {
+  const heights = polygons.flatMap((polygon) => polygon.corners.map((corner) => corner[1]));
+  const low = heights.reduce((a, b) => Math.min(a, b), Infinity);
+  const high = heights.reduce((a, b) => Math.max(a, b), -Infinity);
+  return high - low > 1.8;
 }
 
 function parts(building: Building, polygons: readonly Polygon[]): Map<Part, BufferGeometry> {

@@ -51,7 +51,7 @@ export class BuildingView {
   private lights: Group;
   private model: BuildingModel | null = null;
   private ground: Ground | null = null;
-  private readonly sharpness = new Sharpness();
+  private readonly sharpness: Sharpness;
   private follows = true;
   private dirty = true;
   private last = 0;
@@ -61,7 +61,9 @@ export class BuildingView {
 
   /** Throws where there is no WebGL. */
   constructor(private readonly canvas: HTMLCanvasElement, private theme: Theme) {
-    this.renderer = new WebGLRenderer({canvas, antialias: true, powerPreference: 'high-performance'});
+    const slow = drawsByProcessor();
+    this.sharpness = new Sharpness(slow ? 2 : 1);
+    this.renderer = new WebGLRenderer({canvas, antialias: !slow, powerPreference: 'high-performance'});
     this.renderer.localClippingEnabled = true;
     this.graph = new GraphModel(theme);
     this.walker = new WalkerModel(theme);
@@ -106,7 +108,7 @@ export class BuildingView {
       this.model.dispose();
     }
     this.ground = ground;
-    this.model = ground && makeBuildingModel(ground.building, ground.polygons, this.theme);
+    this.model = ground && makeBuildingModel(ground.building, ground.polygons, this.theme, 'painted');
     if (this.model) this.scene.add(this.model);
     this.select(null);
     this.graph.show(null);
@@ -295,4 +297,13 @@ export class BuildingView {
     event.preventDefault();
     event.stopPropagation();
   }
+}
+
+/** Whether WebGL is made by the processor here, which smooth edges cost dear. */
+function drawsByProcessor(): boolean {
+  const context = document.createElement('canvas').getContext('webgl2');
+  const names = context?.getExtension('WEBGL_debug_renderer_info');
+  const renderer = context && names ? String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)) : '';
+  context?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(renderer);
 }

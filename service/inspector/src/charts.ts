@@ -4,6 +4,7 @@
 // its frames, so that no peak is lost. The playhead is an element of its own: moving it draws no chart anew.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
+import {fixed} from './describe';
 import {span} from './dom';
 import type {Theme} from './theme';
 import type {Walk} from './walk';
@@ -148,7 +149,7 @@ export class Charts {
     this.playhead.style.transform = `translateX(${LEFT + Math.min(1, Math.max(0, share)) * this.plotWidth()}px)`;
     CHARTS.forEach((spec, i) => spec.series.forEach((series, k) => {
       const value = series.values(walk)[frame];
-      const text = Number.isFinite(value) ? value.toFixed(series.digits) : '–';
+      const text = Number.isFinite(value) ? fixed(value, series.digits) : '–';
       const element = this.values[i][k];
       if (element.textContent !== text) element.textContent = text;
     }));

@@ -6,6 +6,9 @@ import {INSTRUCTIONS, type Walk} from './walk';
 const KINDS = {source: 'the user', branch: 'branch node', terminal: 'terminal node', join: 'join'} as const;
 const REASONS = {horizon: 'at the horizon', 'dead-end': 'a dead end', meeting: 'where ways meet'} as const;
 
+/** As toFixed, but nothing is less than nothing. */
+export const fixed = (value: number, digits: number): string => value.toFixed(digits).replace(/^-(?=[0.]*$)/, '');
+
 const metres = (length: number): string => `${length.toFixed(2)} m`;
 const width = (portal: Polygon['portals'][number]): number =>
   Math.hypot(portal.left[0] - portal.right[0], portal.left[2] - portal.right[2]);

@@ -73,11 +73,7 @@ export class Inspector {
     this.endSampling();
     this.predictor?.release();
     this.player.open(source);
-    if (ground !== this.ground || !ground) {
-      const {virtual} = source.walk;
-      this.building?.setGround(ground, [virtual[0] || 0, virtual[1] - source.walk.physical[1] || 0, virtual[2] || 0]);
-      if (ground && source.walk.length === 0) this.building?.setGround(ground, ground.building.start.floor);
-    }
+    if (ground !== this.ground || !ground) this.building?.setGround(ground, startOf(source, ground));
     this.ground = ground;
     this.predictor = ground && new Predictor(ground, source.walk);
     this.room.setRoom(source.walk.room);
@@ -177,6 +173,12 @@ export class Inspector {
     this.shownTo = page + this.span;
     this.charts.show(walk, page, this.shownTo);
   }
+}
+
+/** Where a walk begins on the virtual floor, as far as it is known. */
+function startOf({walk}: Source, ground: Ground | null): number[] {
+  if (walk.length === 0) return ground?.building.start.floor ?? [0, 0, 0];
+  return [walk.virtual[0], walk.virtual[1] - walk.physical[1], walk.virtual[2]].map((x) => Number.isFinite(x) ? x : 0);
 }
 
 function makeBuildingView(): BuildingView | null {

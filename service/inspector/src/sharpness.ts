@@ -9,7 +9,7 @@ const COARSEST = 0.45;       // of the full ratio
 const TRY_AGAIN = 20_000;    // whether it could be finer, milliseconds; doubled each time it could not
 
 export class Sharpness {
-  /** Of the full resolution, (0, 1]. */
+  /** Of the full resolution. */
   share = 1;
   private moving = 1;        // the share while pictures follow each other
   private last = -Infinity;
@@ -17,6 +17,9 @@ export class Sharpness {
   private pictures = 0;
   private changed = 0;
   private patience = TRY_AGAIN;
+
+  /** `still`: the share for still pictures; more than 1 smooths the edges of what is not smoothed otherwise. */
+  constructor(private readonly still: number) {}
 
   /** A picture is about to be drawn. */
   draws(now: number): void {
@@ -40,8 +43,8 @@ export class Sharpness {
 
   /** Nothing was drawn. True where the last picture should be drawn again, as a still one. */
   rests(now: number): boolean {
-    if (this.share === 1 || now - this.last <= STILL) return false;
-    this.share = 1;
+    if (this.share === this.still || now - this.last <= STILL) return false;
+    this.share = this.still;
     return true;
   }
 

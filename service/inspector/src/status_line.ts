@@ -1,7 +1,7 @@
 // The numbers beside the room: where the walk is and what the session does.
 import type {Graph} from 'forewalk';
 import {clockText} from './charts';
-import {describeReset} from './describe';
+import {describeReset, fixed} from './describe';
 import type {Walk} from './walk';
 
 // Numbers that change faster cannot be read, milliseconds.
@@ -24,9 +24,9 @@ export class StatusLine {
     this.put('resets-per', metres >= 5 ? (100 * resets / metres).toFixed(1) : '–');
     this.put('translation', walk.translation[frame].toFixed(3));
     this.put('rotation', walk.rotation[frame].toFixed(3));
-    this.put('curvature', `${walk.curvature[frame].toFixed(3)} /m`);
+    this.put('curvature', `${fixed(walk.curvature[frame], 3)}/m`);
     const border = walk.border[frame];
-    this.put('border', Number.isFinite(border) ? `${border.toFixed(2)} m` : '–', border < 0.5);
+    this.put('border', Number.isFinite(border) ? `${fixed(border, 2)} m` : '–', border < 0.5);
     this.put('nodes', graph ? `${graph.nodes.length} nodes` : '–');
     const time = walk.graphTime[frame];
     this.put('graph-time', Number.isFinite(time) ? time.toFixed(3) : '–');

@@ -67,9 +67,14 @@ for (const name of ['museum', 'office', 'two_storey']) {
   // Clicks on the floor, where nodes in sight are.
   let clicks = 0;
   const {nodes: [user, ...others]} = await show(graphs[2].frame);
+  // The camera follows: wait until it rests.
+  for (let before = '', now = '-'; before !== now;) {
+    before = now;
+    await page.waitForTimeout(250);
+    now = await page.evaluate(() => inspector.building.place([0, 0, 0]).join());
+  }
   for (const [px, py, pz, polygon] of others) {
     if (Math.abs(py - user[1]) > 1) continue;  // on another storey, under this floor
-    await page.waitForTimeout(20);
     const spot = await page.evaluate(([x, y, z]) => {
       const canvas = document.getElementById('building-canvas');
       const box = canvas.getBoundingClientRect();
