@@ -151,7 +151,11 @@ bool Reset::mustStop(const Around& around, Step& step) const {
                                             : glm::dvec2(0.0);
     if (way == glm::dvec2(0.0)) return false;
     const TrackedSpace::BorderPoint border = around.space.nearestBorder(physical);
-    return glm::dot(way, border.inward) <= 0.0;
+    const double inward = glm::dot(way, border.inward);
+    if (inward <= 0.0) return true;
+    // Beside a corner a way that leads inward may still miss the floor.
+    constexpr double kWithin = 0.1;  // metres past the border
+    return !around.space.contains(physical + (border.distance / inward + kWithin) * way);
   }
   if (settings_.trigger == ResetTrigger::kBorder) return isAtBorder(around);
   if (!motion.walking) return setsOffTowardBorder(around);

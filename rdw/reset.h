@@ -82,8 +82,8 @@ class Reset {
   ///   forth in a corner for ever;
   /// - inside, not walking yet: a step faster than 0.1 m/s leads along less than clearance of free
   ///   floor;
-  /// - outside: the walk, or of somebody not walking yet the step, does not lead back. Walking back
-  ///   in from outside is let be.
+  /// - outside: the walk, or of somebody not walking yet the step, does not lead back onto the
+  ///   floor. Walking back in from outside is let be.
   /// Other users are obstacles that come closer while one stops.
   /// Somebody near a border who stands, or walks away from it or along it, is let be.
   ///

@@ -229,6 +229,21 @@ TEST(StaysInside, WhoIsSentToAndFroIsTurnedToWhereTheyCanWalk) {
   }
 }
 
+// Two centimetres outside, and a little inward along the wall: past a corner that leads 30 cm out.
+TEST(StaysInside, WhoWalksPastACornerFromOutsideIsStopped) {
+  const TrackedSpace room = *TrackedSpace::rectangle(4, 4);
+  const GainLimits limits;
+  auto policy = *makeReset("ahead");
+  const glm::dvec2 way = glm::normalize(glm::dvec2(1.0, 0.09));
+  for (const auto& [x, stopped] : {std::pair(1.85, true), std::pair(0.0, false)}) {
+    Reset reset;
+    const PlanarPose pose{{x, -2.02}, headingOf(way)};
+    const auto step = reset.frame(
+        {stepping(way, 1.0, true), pose, pose, room, limits, Redirection{}, nullptr}, *policy);
+    EXPECT_EQ(step.began, stopped) << x;
+  }
+}
+
 // Nobody walks backwards in a straight line; nor was the way behind looked at again.
 TEST(StaysInside, SteppingBackEndsBeforeABorder) {
   const TrackedSpace room = *TrackedSpace::rectangle(4, 4);
