@@ -49,8 +49,8 @@ ResetPlan facing(glm::dvec2 direction, const ResetPlan& plan, const SteerInput& 
 }
 
 /// The plan, of somebody outside the floor, or the shortest way back in where it would not end
-/// facing that: as good as across the border.
-ResetPlan backIn(const ResetPlan& plan, const SteerInput& input, double needed) {
+/// facing that (as good as across the border), or `mayStand` says that it has been tried.
+ResetPlan backIn(const ResetPlan& plan, const SteerInput& input, double needed, bool mayStand) {
   constexpr double kAcross = 0.5;  // cosine of what counts as across the border
   const auto border = input.space.nearestBorder(input.physical.position);
   const glm::dvec2 ahead = aheadOf(input);
@@ -58,7 +58,7 @@ ResetPlan backIn(const ResetPlan& plan, const SteerInput& input, double needed) 
     return glm::dot(direction, border.inward) >= kAcross &&
            freeAlong(input.space, input.others, border.position, direction) >= needed;
   };
-  if (leadsIn(facedBy(plan, ahead))) return plan;
+  if (mayStand && leadsIn(facedBy(plan, ahead))) return plan;
   if (leadsIn(border.inward)) return facing(border.inward, plan, input);
   // Beyond a corner the floor may lie aside: to a point of it, then.
   const glm::dvec2 freest =
@@ -180,20 +180,33 @@ double Reset::worthSettingOff(double speed) const {
 
 // Half of it is walked before they are stopped again.
 bool Reset::hasWayAhead(const Around& around) const {
-  return freeAlong(around.space, around.others, around.physical, around.motion.walkingDirection) >=
-         2.0 * stoppingDistance(std::max(1.0, around.motion.speed));
+  return around.space.contains(around.physical) &&
+         freeAlong(around.space, around.others, around.physical, around.motion.walkingDirection) >=
+             2.0 * stoppingDistance(std::max(1.0, around.motion.speed));
 }
 
 // A turn either way sends the body back along its own line, however short that is: that is what
 // such a reset is. But nobody is sent to and fro on the spot.
 ResetPlan Reset::mended(const ResetPlan& plan, const SteerInput& input) const {
-  constexpr int kToAndFro = 2;  // resets in a row
+  constexpr int kToAndFro = 2;     // resets in a row
+  constexpr double kSetOff = 0.5;  // m/s; what somebody who sets off reaches before they stop
   if (plan.back > 0.0) return plan;
   const double needed = worthSettingOff(input.motion.speed);
-  if (!input.space.contains(input.physical.position)) return backIn(plan, input, needed);
   const bool eitherWay = std::isfinite(plan.left) && std::isfinite(plan.right);
-  if (eitherWay && (settings_.trigger == ResetTrigger::kBorder || resetsInARow_ < kToAndFro))
-    return plan;
+  const bool toAndFro = settings_.trigger != ResetTrigger::kBorder && resetsInARow_ >= kToAndFro;
+  if (!input.space.contains(input.physical.position))
+    return backIn(plan, input, needed, !(eitherWay && toAndFro));
+  if (eitherWay && !toAndFro) return plan;
+  // By the time that they stand they may be past the corner that they were stopped at; and turned
+  // back, stopped at it again.
+  const glm::dvec2 ahead = aheadOf(input);
+  const glm::dvec2 stopped =
+      input.physical.position + stoppingDistance(std::max(kSetOff, input.motion.speed)) * ahead;
+  if (toAndFro && input.space.contains(stopped) &&
+      freeAlong(input.space, input.others, stopped, facedBy(plan, ahead)) < needed) {
+    return facing(freestDirection(input.space, input.others, stopped, -ahead, kFaceSteps), plan,
+                  input);
+  }
   return passable(plan, input, needed);
 }
 

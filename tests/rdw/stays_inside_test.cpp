@@ -229,6 +229,40 @@ TEST(StaysInside, WhoIsSentToAndFroIsTurnedToWhereTheyCanWalk) {
   }
 }
 
+// Stopped at a corner of a table and turned back, they have passed it by the time that they stand:
+// turned back again they are stopped at it again (455 times per 100 m, once).
+TEST(StaysInside, WhoPassesACornerToAndFroIsTurnedAwayFromIt) {
+  const std::vector<glm::dvec2> border{{-3, -3}, {3, -3}, {3, 3}, {-3, 3}};
+  const std::vector<std::vector<glm::dvec2>> table{
+      {{1.2, 1.0}, {2.4, 1.0}, {2.4, 1.8}, {1.2, 1.8}}};
+  const TrackedSpace room = *TrackedSpace::polygon(border, table);
+  const GainLimits limits;
+  const glm::dvec2 ends[] = {{1.2044, 1.8056}, {1.1930, 1.7715}};
+  auto policy = *makeReset("two-one-turn");
+  Reset reset;
+  glm::dvec2 faced(0.0);
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec2 from = ends[i % 2], to = ends[(i + 1) % 2];
+    const glm::dvec2 way = glm::normalize(to - from);
+    const PlanarPose pose{from, headingOf(way)};
+    ASSERT_TRUE(
+        reset
+            .frame({stepping(way, 0.3, false), pose, pose, room, limits, Redirection{}, nullptr},
+                   *policy)
+            .began)
+        << i;
+    const ResetPlan plan = reset.memory().plan;
+    faced = rotated(way, std::isfinite(plan.left) ? plan.left : -plan.right);
+    while (reset.state().turning) {
+      Motion motion = stepping({0, 1}, 0.0, false);
+      motion.turn = 0.1 * (reset.state().wanted != 0 ? reset.state().wanted : 1);
+      const PlanarPose standing{to, 0.0};
+      reset.frame({motion, standing, standing, room, limits, Redirection{}, nullptr}, *policy);
+    }
+  }
+  EXPECT_GT(room.distanceAlong(ends[1], faced), 1.0);
+}
+
 // Two centimetres outside, and a little inward along the wall: past a corner that leads 30 cm out.
 TEST(StaysInside, WhoWalksPastACornerFromOutsideIsStopped) {
   const TrackedSpace room = *TrackedSpace::rectangle(4, 4);
