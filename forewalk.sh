@@ -27,7 +27,7 @@ help() {
 ./forewalk.sh test      build and run the tests, optimised (minutes)
 ./forewalk.sh test all  the same, then with ASan and UBSan, then the threaded ones with TSan (longer)
 ./forewalk.sh bench     build and run the benchmarks
-./forewalk.sh compare   every controller against foresight and the ceiling: out/comparison/index.html (half an hour)
+./forewalk.sh compare   every controller against foresight and the ceiling: out/comparison/index.html (20 minutes)
 ./forewalk.sh wasm      build the package for browsers and node, build/wasm/service/wasm/package
 ./forewalk.sh inspector build the page that shows it all, and serve it with a bundled building
 ./forewalk.sh help      this text
