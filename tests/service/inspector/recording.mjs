@@ -35,7 +35,7 @@ for (const name of ['museum', 'office', 'two_storey']) {
   let nodes = 0, farthest = 0;
   // Backwards too: the graph depends on where the user is, not on how the page came there.
   const graphs = jsonLines(join(folder, `${name}.graphs.jsonl`));
-  for (const graph of [...graphs, ...graphs.toReversed()]) {
+  for (const graph of [...graphs, ...[...graphs].reverse()]) {
     const shown = await show(graph.frame);
     assert.equal(shown.frame, graph.frame);
     assert.equal(shown.nodes.length, graph.nodes.length, `${name}: nodes at frame ${graph.frame}`);
