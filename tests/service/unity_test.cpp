@@ -42,6 +42,7 @@ struct UnitySample : UnityLaws {};
 TEST_F(UnityLaws, HasDefaultsOfTheLibrary) { holds("defaults"); }
 TEST_F(UnityLaws, EndsEachHandleOnce) { holds("handles"); }
 TEST_F(UnityLaws, ReadsGraphsInPlaceUntilTheirFrameEnds) { holds("graph"); }
+TEST_F(UnityLaws, ShowsPolygonsOnTheFloor) { holds("polygons"); }
 TEST_F(UnityLaws, ThrowsTheSentencesOfTheLibrary) { holds("errors ."); }
 TEST_F(UnityLaws, PassesOnWhatSessionsAreTold) { holds("calls"); }
 TEST_F(UnityLaws, SharesRooms) { holds("spaces"); }

@@ -45,6 +45,7 @@ namespace Laws
                 { "defaults", _ => Sessions.DefaultsAreTheLibrarys() },
                 { "handles", _ => Sessions.HandlesEndOnce() },
                 { "graph", _ => Sessions.GraphsEndWithTheirFrame() },
+                { "polygons", _ => Sessions.PolygonsLieOnTheFloor() },
                 { "errors", arguments => Sessions.ErrorsAreSentences(arguments[1]) },
                 { "calls", _ => Sessions.TakeWhatTheyAreTold() },
                 { "spaces", _ => Rooms.AreShared() },

@@ -111,6 +111,43 @@ namespace Laws
             }
         }
 
+        public static void PolygonsLieOnTheFloor()
+        {
+            using (ForewalkNavMesh hall = Made.Hall(), islands = Made.Islands())
+            {
+                foreach (ForewalkNavMesh navmesh in new[] { hall, islands })
+                {
+                    Polygon[] polygons = navmesh.Polygons();
+                    Check.Equal(polygons.Length, navmesh.PolygonCount, "polygons");
+                    for (int i = 0; i < polygons.Length; ++i)
+                    {
+                        Check.Equal(polygons[i].Triangles.Length % 3, 0, "corners of triangles");
+                        // Unity's axes, from above: x to the right, z up.
+                        double area = 0, covered = 0;
+                        Vec3[] corners = polygons[i].Corners, triangles = polygons[i].Triangles;
+                        for (int k = 0; k < corners.Length; ++k)
+                        {
+                            Vec3 a = corners[k], b = corners[(k + 1) % corners.Length];
+                            area += 0.5 * (a.X * b.Z - a.Z * b.X);
+                            Check.That(Math.Abs(a.Y) < 0.1, "a corner at " + a.Y + " m");
+                        }
+                        for (int k = 0; k < triangles.Length; k += 3)
+                        {
+                            Vec3 a = triangles[k], b = triangles[k + 1], c = triangles[k + 2];
+                            covered += 0.5 * ((b.X - a.X) * (c.Z - a.Z) - (b.Z - a.Z) * (c.X - a.X));
+                        }
+                        Check.That(area > 0 && Math.Abs(area - covered) < 1e-3 * (1 + area),
+                                   "triangles cover " + covered + " of " + area + " m^2");
+                        foreach (Portal portal in polygons[i].Portals)
+                        {
+                            Check.That(Array.Exists(polygons[portal.To].Portals, back => back.To == i),
+                                       "no way back");
+                        }
+                    }
+                }
+            }
+        }
+
         public static void ErrorsAreSentences(string folder)
         {
             string missing = Path.Combine(folder, "Gebäude.obj");

@@ -85,6 +85,51 @@ namespace Forewalk
 
         public int PolygonCount => (int)Native.forewalk_navmesh_polygon_count(Handle);
 
+        /// <summary>The walkable polygons, to draw and to pick from; <see cref="Node.Polygon"/> is a place
+        /// in it. Copies: not for every frame.</summary>
+        public Polygon[] Polygons()
+        {
+            var view = new NativeNavmeshView { StructSize = (uint)sizeof(NativeNavmeshView) };
+            ForewalkLibrary.Check(Native.forewalk_navmesh_polygons(Handle, Axes.Unity, ref view));
+            var polygons = new Polygon[view.PolygonCount];
+            for (int i = 0; i < polygons.Length; ++i)
+            {
+                uint corner = view.CornerStart[i], portal = view.PortalStart[i];
+                uint triangle = 3 * view.TriangleStart[i];
+                var made = new Polygon(new Vec3[view.CornerStart[i + 1] - corner],
+                                       new Portal[view.PortalStart[i + 1] - portal],
+                                       new Vec3[3 * view.TriangleStart[i + 1] - triangle]);
+                for (int k = 0; k < made.Corners.Length; ++k) made.Corners[k] = view.Corners[corner + k];
+                for (int k = 0; k < made.Portals.Length; ++k) made.Portals[k] = view.Portals[portal + k];
+                for (int k = 0; k < made.Triangles.Length; ++k)
+                {
+                    made.Triangles[k] = view.Triangles[triangle + k];
+                }
+                polygons[i] = made;
+            }
+            GC.KeepAlive(this);
+            return polygons;
+        }
+
         public void Dispose() => Handle.Dispose();
+    }
+
+    /// <summary>Of a <see cref="ForewalkNavMesh"/>.</summary>
+    public sealed class Polygon
+    {
+        /// <summary>Convex; counter-clockwise seen from above.</summary>
+        public readonly Vec3[] Corners;
+        /// <summary>Ways out of it, in the order of edges.</summary>
+        public readonly Portal[] Portals;
+        /// <summary>The surface at its true height, three corners each, counter-clockwise seen from above:
+        /// the other way round than Unity's meshes.</summary>
+        public readonly Vec3[] Triangles;
+
+        internal Polygon(Vec3[] corners, Portal[] portals, Vec3[] triangles)
+        {
+            Corners = corners;
+            Portals = portals;
+            Triangles = triangles;
+        }
     }
 }

@@ -100,6 +100,19 @@ namespace Forewalk
     }
 
     [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeNavmeshView
+    {
+        public uint StructSize;
+        public uint PolygonCount;
+        public uint* CornerStart;
+        public Vec3* Corners;
+        public uint* PortalStart;
+        public Portal* Portals;
+        public uint* TriangleStart;
+        public Vec3* Triangles;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
     internal unsafe struct NativeDoor
     {
         public uint Id;
@@ -171,6 +184,9 @@ namespace Forewalk
                                                           ref UIntPtr byteCount);
         [DllImport(Library, CallingConvention = C)]
         public static extern uint forewalk_navmesh_polygon_count(NavMeshHandle navmesh);
+        [DllImport(Library, CallingConvention = C)]
+        public static extern Status forewalk_navmesh_polygons(NavMeshHandle navmesh, Axes axes,
+                                                              ref NativeNavmeshView view);
         [DllImport(Library, CallingConvention = C)]
         public static extern void forewalk_navmesh_release(IntPtr navmesh);
 

@@ -164,6 +164,18 @@ namespace Forewalk
         public Vec3 From, To;
     }
 
+    /// <summary>A way out of a polygon of a navmesh into its neighbour.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Portal
+    {
+        /// <summary>The polygon that it leads to.</summary>
+        public uint To;
+        /// <summary>That it lies on: from this corner of its polygon to the next.</summary>
+        public uint Edge;
+        /// <summary>Its ends, as somebody sees them who walks out.</summary>
+        public Vec3 Left, Right;
+    }
+
     /// <summary>A way from the user to a terminal, under a name that it keeps from frame to frame, and
     /// how likely it is that the user takes it.</summary>
     [StructLayout(LayoutKind.Sequential)]
