@@ -55,7 +55,8 @@ struct ResetState {
   bool turning = false;    ///< a reset is under way
   int direction = 0;       ///< +1 left, -1 right, 0 not begun: the way the user is turning
   double progress = 0.0;   ///< physical radians turned since it began, left positive
-  double remaining = 0.0;  ///< physical radians to go that way, [0, 2 pi]
+  double remaining = 0.0;  ///< physical radians to go that way, >= 0; above 2 pi only after turning
+                           ///< the other way
   double back = 0.0;       ///< metres to step back before the turn, >= 0
   int wanted = 0;          ///< the way that the reset asks for: +1 left, -1 right, 0 either
   double gain = 2.0;       ///< virtual radians per physical radian turned
@@ -94,7 +95,8 @@ class Reset {
   /// turning are passed on unscaled, but for frozen resets. O(corners + others), allocates nothing.
   ///
   /// Some plans are changed, so that resets cannot follow each other on the spot for ever:
-  /// - one whose end would face a way too short to set off on at a walk and to be stopped again: the
+  /// - one whose end would face a way too short to set off on at a walk and to be stopped again:
+  /// the
   ///   user faces the freest of 36 directions;
   /// - a turn either way by the third reset in a row without a way ahead (twice that of stopping at
   ///   a walk): likewise. Not with ResetTrigger::kBorder, which does as the toolkits;
