@@ -96,8 +96,7 @@ class Reset {
   ///
   /// Some plans are changed, so that resets cannot follow each other on the spot for ever:
   /// - one whose end would face a way too short to set off on at a walk and to be stopped again:
-  /// the
-  ///   user faces the freest of 36 directions;
+  ///   the user faces the freest of 36 directions;
   /// - a turn either way by the third reset in a row without a way ahead (twice that of stopping at
   ///   a walk): likewise. Not with ResetTrigger::kBorder, which does as the toolkits;
   /// - outside, where it would not end facing the floor: the user faces the nearest border, or the
