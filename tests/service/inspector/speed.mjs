@@ -81,5 +81,5 @@ for (const run of [played, fast]) {
   assert.ok(run.script.length > 50);
   assert.ok(quantile(run.script, 0.99) < BUDGET, `script takes more than ${BUDGET.toFixed(1)} ms`);
 }
-if (idle) assert.ok(played.rate > 50, 'fewer than 50 pictures a second on a machine with nothing else to do');
+if (idle) assert.ok(played.rate > 30, 'fewer than 30 pictures a second, drawn by the processor, on a machine with nothing else to do');
 await browser.close();
