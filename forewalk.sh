@@ -10,10 +10,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 PACKAGES=(g++ cmake make
   librecast-dev libsqlite3-dev libopenmesh-dev libtinygltf-dev libglm-dev nlohmann-json3-dev libexpected-dev
   libboost-dev libssl-dev libcgal-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
-# clang++ compiles the C interface as an engine would, without exceptions and RTTI; nginx stands before two
-# daemons; abidiff compares the C interface with the last release; curl asks a daemon; Mono compiles and runs the Unity package; the
-# OpenXR layer is built, and walked under the loader and the validation layer; Slurm walks an experiment. Only
-# `test all` asks for them.
+# clang++ compiles the C interface as an engine would, without exceptions and RTTI; curl and nginx talk to daemons;
+# abidiff compares the C interface with the last release; Mono compiles and runs the Unity package; the OpenXR layer is
+# built, and walked under the loader and the validation layer; Slurm walks an experiment. Only `test all` asks for them.
 PACKAGES_ALL=(clang curl nginx-light abigail-tools mono-mcs mono-runtime slurm-wlm
   libopenxr-dev libopenxr-loader1 openxr-layer-corevalidation)
 # The inspector is walked through in a browser.
@@ -188,7 +187,7 @@ inspector() {
   configure release
   build release forewalk
   build_inspector
-  begin "serving the museum"
+  begin "serving ${*:-the museum}"
   echo "open http://127.0.0.1:7878/ in a browser; Ctrl-C ends it"
   exec build/release/service/forewalk serve "${@:-assets/scenes/museum.obj}" --inspector build/inspector/page
 }
