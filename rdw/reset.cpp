@@ -196,18 +196,19 @@ ResetPlan Reset::mended(const ResetPlan& plan, const SteerInput& input) const {
   const bool toAndFro = settings_.trigger != ResetTrigger::kBorder && resetsInARow_ >= kToAndFro;
   if (!input.space.contains(input.physical.position))
     return backIn(plan, input, needed, !(eitherWay && toAndFro));
-  if (eitherWay && !toAndFro) return plan;
+  if (!eitherWay) return passable(plan, input, needed);
+  if (!toAndFro) return plan;
   // By the time that they stand they may be past the corner that they were stopped at; and turned
   // back, stopped at it again.
   const glm::dvec2 ahead = aheadOf(input);
   const glm::dvec2 stopped =
       input.physical.position + stoppingDistance(std::max(kSetOff, input.motion.speed)) * ahead;
-  if (toAndFro && input.space.contains(stopped) &&
-      freeAlong(input.space, input.others, stopped, facedBy(plan, ahead)) < needed) {
-    return facing(freestDirection(input.space, input.others, stopped, -ahead, kFaceSteps), plan,
-                  input);
-  }
-  return passable(plan, input, needed);
+  const bool leadsAway =
+      !input.space.contains(stopped) ||
+      freeAlong(input.space, input.others, stopped, facedBy(plan, ahead)) >= needed;
+  if (leadsAway) return passable(plan, input, needed);
+  return facing(freestDirection(input.space, input.others, stopped, -ahead, kFaceSteps), plan,
+                input);
 }
 
 bool Reset::waitsFor(const Around& around, Step& step) {
